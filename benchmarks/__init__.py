@@ -1,0 +1,1 @@
+"""Comparisons of usvjax with what people use today, run side by side, and their results."""

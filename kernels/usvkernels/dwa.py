@@ -1,0 +1,416 @@
+"""The dynamic window approach of Tan et al. 2022, traditional and with an obstacle search angle.
+
+Lanes (independent episodes) lie on the LAST axis of every array, so that each operation runs
+over contiguous lanes whatever the candidate or obstacle. A decision costs two sines per lane;
+the eleven headings and chords of the window follow by rotations.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from usvkernels.trig import angle_between, sincos
+from usvkernels.vessel import Complex, complex_product, geometric_sum
+
+Scalar = Array | float
+"""One number, or one per lane."""
+
+FAR = 1e6
+"""Coordinate (m) that pads obstacle rows; what lies beyond FAR / 2 of a point is no obstacle."""
+
+UNROLLED_OBSTACLES = 64
+"""Up to this many obstacles the running minimum is unrolled; more go in blocks of this size."""
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class DwaParams:
+    """Numbers of the method; each leaf a float, or float[lanes] to sweep it.
+
+    Defaults are Table 1 of Tan et al. 2022; what the paper does not print says so.
+    """
+
+    v_min: Scalar = -1.0  # m/s, Table 1
+    v_max: Scalar = 1.0  # m/s, Table 1
+    w_min: Scalar = -0.5236  # rad/s, Table 1
+    w_max: Scalar = 0.5236  # rad/s, Table 1
+    v_acc: Scalar = 0.2  # m/s^2, Table 1
+    v_dec: Scalar = 0.2  # m/s^2, magnitude, Table 1
+    w_acc: Scalar = 0.8727  # rad/s^2, Table 1
+    w_dec: Scalar = 0.8727  # rad/s^2, magnitude, Table 1
+    v_step: Scalar = 0.01  # m/s, speed resolution, not printed
+    w_step: Scalar = np.pi / 180  # rad/s, yaw-rate resolution, not printed
+    heading_weight: Scalar = 0.05  # alpha, Table 1
+    clearance_weight: Scalar = 0.2  # beta, Table 1
+    velocity_weight: Scalar = 0.1  # gamma, Table 1
+    dt: Scalar = 0.1  # s, control period, not printed
+    search_angle: Scalar = np.pi / 3  # rad, phi, Table 1
+    clearance_cap: Scalar = np.inf  # m, largest dist that scores, not printed
+    clear_distance: Scalar = 2.0  # m, dist where no obstacle counts, not printed
+    radius: Scalar = 0.5  # m, obstacle expansion circle, Tables 2 to 4
+    goal_tolerance: Scalar = 0.5  # m, not printed
+    stuck_distance: Scalar = 0.2  # m, an episode that stays within this ...
+    stuck_time: Scalar = 20.0  # s, ... for this long is stuck
+
+
+@dataclass(frozen=True)
+class DwaStatic:
+    """Sizes and choices of method; hashable, a change compiles anew.
+
+    Attributes:
+      method: "traditional" (every obstacle counts) or "improved" (only those that the search
+        sector at the predicted position meets; Tan et al. 2022, section 3).
+      n_v, n_w: candidates along speed and yaw rate.
+      horizon: Euler steps of the predicted trajectory; t_sim = horizon * dt.
+      clearance: "endpoint" (at the predicted position, as in Tan's Fig. 1) or "trajectory"
+        (the least over all predicted positions).
+      clearance_score: "distance", or "reciprocal": minus one over the distance to the centre.
+      normalise: "sum" (by the sum of magnitudes over the admissible candidates), "range"
+        (to 0..1 between the worst and the best) or "none".
+      braking: whether Eq. 4 (able to stop before the obstacle) bounds the candidates.
+      heading_first: whether a step turns before it moves, as one widely used demo has it,
+        instead of after (Eq. 1).
+      when_blocked: without an admissible candidate, "brake" (both rates towards zero) or
+        "turn" (brake, and turn on towards the goal).
+      max_steps: bound on the steps of an episode.
+    """
+
+    method: str = "traditional"
+    n_v: int = 5
+    n_w: int = 11
+    horizon: int = 30
+    clearance: str = "endpoint"
+    clearance_score: str = "distance"
+    normalise: str = "sum"
+    braking: bool = True
+    heading_first: bool = False
+    when_blocked: str = "brake"
+    max_steps: int = 2000
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class Motion:
+    """Pose and rates; every leaf float[lanes]."""
+
+    x: Array  # m
+    y: Array  # m
+    psi: Array  # rad
+    v: Array  # m/s
+    w: Array  # rad/s
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class Candidates:
+    """The window opened up: what each candidate command leads to and how it scores."""
+
+    v: Array  # float[n_v, lanes], m/s
+    w: Array  # float[n_w, lanes], rad/s
+    end_x: Array  # float[n_v, n_w, lanes], m, predicted position
+    end_y: Array  # float[n_v, n_w, lanes], m
+    heading_error: Array  # float[n_v, n_w, lanes], rad, against the goal, at the end
+    clearance: Array  # float[n_v, n_w, lanes], m, capped
+    admissible: Array  # bool[n_v, n_w, lanes]
+    score: Array  # float[n_v, n_w, lanes], -inf where not admissible
+
+
+Fold = Callable[[Array, Array], Array]
+"""From obstacles [2, block, lanes] and a running minimum to the new running minimum."""
+
+
+@dataclass(frozen=True)
+class _Fan:
+    """Predicted ends of the window, relative to the vessel, per unit of speed."""
+
+    chord: Complex  # [n_w, lanes], displacement at 1 m/s
+    heading: Complex  # [n_w, lanes], unit vector at the end
+    first: Complex  # [n_w, lanes], unit vector of the first step
+    turn: Complex  # [n_w, lanes], rotation of one step
+
+
+def window(params: DwaParams, static: DwaStatic, v: Array, w: Array) -> tuple[Array, ...]:
+    """Candidate commands: V_s and V_d (Tan et al. 2022, Eqs. 2, 3) at the given resolution.
+
+    Args:
+      params, static: of the method.
+      v, w: present speed (m/s) and yaw rate (rad/s), float[lanes].
+
+    Returns:
+      (v_i, inside_v, w_j, inside_w), the first two [n_v, lanes], the others [n_w, lanes]; a
+      candidate past the window's upper edge is not inside.
+    """
+    p = params
+    v_low, v_high = _reach(v, p.v_min, p.v_max, p.v_acc, p.v_dec, p.dt)
+    w_low, w_high = _reach(w, p.w_min, p.w_max, p.w_acc, p.w_dec, p.dt)
+    v_i = v_low + _steps(static.n_v, v.dtype) * p.v_step
+    w_j = w_low + _steps(static.n_w, w.dtype) * p.w_step
+    return v_i, v_i <= v_high + 1e-3 * p.v_step, w_j, w_j <= w_high + 1e-3 * p.w_step
+
+
+def _reach(
+    now: Array, low: Scalar, high: Scalar, gain: Scalar, loss: Scalar, dt: Scalar
+) -> tuple[Array, Array]:
+    return jnp.maximum(low, now - loss * dt), jnp.minimum(high, now + gain * dt)
+
+
+def _steps(n: int, dtype: jnp.dtype) -> Array:
+    return jnp.arange(n, dtype=dtype)[:, None]
+
+
+def _predict(params: DwaParams, static: DwaStatic, psi: Array, w_j: Array) -> _Fan:
+    """Closed form of `horizon` Euler steps for all yaw rates of the window."""
+    dt = params.dt
+    sin, cos = sincos(psi)
+    base_sin, base_cos = sincos(w_j[:1] * dt)
+    step_sin, step_cos = sincos(_steps(static.n_w, psi.dtype) * (params.w_step * dt))
+    turn = complex_product((base_cos, base_sin), (step_cos, step_sin))
+    total, end = geometric_sum(turn, static.horizon)
+    first: Complex = (jnp.broadcast_to(cos, turn[0].shape), jnp.broadcast_to(sin, turn[0].shape))
+    heading = complex_product(first, end)
+    if static.heading_first:
+        first = complex_product(first, turn)
+    chord = complex_product((first[0] * dt, first[1] * dt), total)
+    return _Fan(chord, heading, first, turn)
+
+
+def _in_sector(offset: Complex, ahead: Complex, params: DwaParams) -> Array:
+    """Whether an obstacle's circle meets the search sector at P (Tan et al. 2022, Fig. 1).
+
+    That is, whether its centre, at `offset` from P, is within the radius of the sector: by its
+    distance from the nearer ray, where the foot lies on the ray, or from P itself.
+    """
+    sin, cos = sincos(params.search_angle)
+    along = offset[0] * ahead[0] + offset[1] * ahead[1]
+    across = jnp.abs(offset[0] * ahead[1] - offset[1] * ahead[0])
+    from_ray = across * cos - along * sin
+    foot_on_ray = along * cos + across * sin > 0.0
+    touches_p = offset[0] * offset[0] + offset[1] * offset[1] <= params.radius * params.radius
+    return (from_ray <= params.radius) & (foot_on_ray | touches_p)
+
+
+def _nearest(obstacles: Array, point: Complex, counted: list[Array] | None, least: Array) -> Array:
+    """Running minimum of the squared distance from `point` to the obstacles [2, block, lanes]."""
+    for k in range(obstacles.shape[1]):
+        east, north = obstacles[0, k] - point[0], obstacles[1, k] - point[1]
+        squared = east * east + north * north
+        if counted is not None:
+            squared = jnp.where(counted[k], squared, jnp.inf)
+        least = jnp.minimum(least, squared)
+    return least
+
+
+def _nearest_along(
+    obstacles: Array,
+    v_i: Array,
+    fan: _Fan,
+    counted: list[Array] | None,
+    static: DwaStatic,
+    dt: Scalar,
+    least: Array,
+) -> Array:
+    """As `_nearest`, over all positions of the predicted trajectory instead of its end."""
+
+    def advance(_: int, carry: tuple[Complex, Complex, Array]) -> tuple[Complex, Complex, Array]:
+        chord, direction, least = carry
+        chord = (chord[0] + dt * direction[0], chord[1] + dt * direction[1])
+        point = (v_i[:, None] * chord[0], v_i[:, None] * chord[1])
+        return (
+            chord,
+            complex_product(direction, fan.turn),
+            _nearest(obstacles, point, counted, least),
+        )
+
+    origin = (jnp.zeros_like(fan.first[0]), jnp.zeros_like(fan.first[1]))
+    return jax.lax.fori_loop(0, static.horizon, advance, (origin, fan.first, least))[2]
+
+
+def _clearance(
+    params: DwaParams, static: DwaStatic, obstacles: Array, v_i: Array, fan: _Fan
+) -> Array:
+    """dist(v, w): from the predicted trajectory to the nearest circle that counts, capped.
+
+    Args:
+      params, static: of the method.
+      obstacles: float[2, K, lanes], centres relative to the vessel (m).
+      v_i: float[n_v, lanes].
+      fan: of the window.
+
+    Returns:
+      float[n_v, n_w, lanes] (m), negative inside a circle.
+    """
+    end = (v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1])
+    astern = (v_i < 0.0)[:, None]
+    ahead = (
+        jnp.where(astern, -fan.heading[0], fan.heading[0]),
+        jnp.where(astern, -fan.heading[1], fan.heading[1]),
+    )
+
+    def fold(block: Array, least: Array) -> Array:
+        counted = None
+        if static.method == "improved":
+            counted = [
+                _in_sector((block[0, k] - end[0], block[1, k] - end[1]), ahead, params)
+                for k in range(block.shape[1])
+            ]
+        if static.clearance == "endpoint":
+            return _nearest(block, end, counted, least)
+        return _nearest_along(block, v_i, fan, counted, static, params.dt, least)
+
+    least = _fold_blocks(fold, obstacles, jnp.full_like(end[0], jnp.inf))
+    dist = jnp.where(least < (FAR / 2) ** 2, jnp.sqrt(least) - params.radius, params.clear_distance)
+    return jnp.minimum(dist, params.clearance_cap)
+
+
+def _fold_blocks(fold: Fold, obstacles: Array, least: Array) -> Array:
+    """Fold obstacles [2, K, lanes] into `least`, in blocks where K is large; its square root.
+
+    The root is taken here because XLA computes a root once, but a chain of minima anew in each
+    of its users: with two users a decision takes 2.5 times as long.
+    """
+    count = obstacles.shape[1]
+    if count <= UNROLLED_OBSTACLES:
+        return jnp.sqrt(fold(obstacles, least))
+    blocks = -(-count // UNROLLED_OBSTACLES)
+    padding = blocks * UNROLLED_OBSTACLES - count
+    padded = jnp.pad(obstacles, ((0, 0), (0, padding), (0, 0)), constant_values=FAR)
+    split = padded.reshape(2, blocks, UNROLLED_OBSTACLES, -1).swapaxes(0, 1)
+    return jnp.sqrt(jax.lax.scan(lambda m, block: (fold(block, m), None), least, split)[0])
+
+
+def nearest_distance(obstacles: Array, x: Array, y: Array) -> Array:
+    """Distance (m), float[lanes], from x, y to the nearest centre of obstacles [2, K, lanes]."""
+
+    def fold(block: Array, least: Array) -> Array:
+        return _nearest(block, (x, y), None, least)
+
+    return _fold_blocks(fold, obstacles, jnp.full_like(x, jnp.inf))
+
+
+def candidates(
+    params: DwaParams, static: DwaStatic, motion: Motion, obstacles: Array, goal: Array
+) -> Candidates:
+    """Predict and score every command of the window (Tan et al. 2022, Eqs. 2 to 6).
+
+    Args:
+      params, static: of the method.
+      motion: the vessels, leaves float[lanes].
+      obstacles: float[2, K, lanes], centres (m); rows at FAR are padding.
+      goal: float[2, lanes] (m).
+    """
+    v_i, inside_v, w_j, inside_w = window(params, static, motion.v, motion.w)
+    fan = _predict(params, static, motion.psi, w_j)
+    position = jnp.stack([motion.x, motion.y])
+    dist = _clearance(params, static, obstacles - position[:, None], v_i, fan)
+    east, north = v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1]
+    to_goal = goal - position
+    to_east, to_north = to_goal[0] - east, to_goal[1] - north
+    error = angle_between(
+        fan.heading[0] * to_north - fan.heading[1] * to_east,
+        fan.heading[0] * to_east + fan.heading[1] * to_north,
+    )
+    admissible = inside_v[:, None] & inside_w & (dist > 0.0)
+    if static.braking:
+        v_square, w_square = (v_i * v_i)[:, None], w_j * w_j
+        admissible &= (v_square <= 2.0 * dist * params.v_dec) & (
+            w_square <= 2.0 * dist * params.w_dec
+        )
+    closeness = dist
+    if static.clearance_score == "reciprocal":
+        closeness = -1.0 / (dist + params.radius)
+    parts = jnp.stack([jnp.pi - error, closeness, jnp.broadcast_to(v_i[:, None], dist.shape)])
+    heading, clearance, velocity = _normalised(static, parts, admissible)
+    score = (
+        params.heading_weight * heading
+        + params.clearance_weight * clearance
+        + params.velocity_weight * velocity
+    )
+    return Candidates(
+        v=v_i,
+        w=w_j,
+        end_x=motion.x + east,
+        end_y=motion.y + north,
+        heading_error=error,
+        clearance=dist,
+        admissible=admissible,
+        score=jnp.where(admissible, score, -jnp.inf),
+    )
+
+
+def predicted_paths(params: DwaParams, static: DwaStatic, motion: Motion) -> Array:
+    """Every predicted trajectory of the window, start included.
+
+    Args:
+      params, static: of the method.
+      motion: the vessels, leaves float[lanes].
+
+    Returns:
+      float[n_v, n_w, horizon + 1, lanes, 2] (m).
+    """
+    v_i, _, w_j, _ = window(params, static, motion.v, motion.w)
+    fan = _predict(params, static, motion.psi, w_j)
+    chord, direction = (jnp.zeros_like(w_j), jnp.zeros_like(w_j)), fan.first
+    chords = [chord]
+    for _ in range(static.horizon):
+        chord = (chord[0] + params.dt * direction[0], chord[1] + params.dt * direction[1])
+        direction = complex_product(direction, fan.turn)
+        chords.append(chord)
+    relative = jnp.stack([jnp.stack(chord, axis=-1) for chord in chords], axis=1)
+    position = jnp.stack([motion.x, motion.y], axis=-1)
+    return position + v_i[:, None, None, :, None] * relative
+
+
+def _normalised(static: DwaStatic, parts: Array, admissible: Array) -> Array:
+    """Scores [3, n_v, n_w, lanes] made comparable over the admissible candidates of a lane."""
+    if static.normalise == "none":
+        return parts
+    if static.normalise == "sum":
+        total = jnp.sum(jnp.where(admissible, jnp.abs(parts), 0.0), axis=(1, 2))
+        return parts * jnp.where(total > 0.0, 1.0 / total, 0.0)[:, None, None]
+    low = jnp.min(jnp.where(admissible, parts, jnp.inf), axis=(1, 2))[:, None, None]
+    high = jnp.max(jnp.where(admissible, parts, -jnp.inf), axis=(1, 2))[:, None, None]
+    return (parts - low) * jnp.where(high > low, 1.0 / (high - low), 0.0)
+
+
+def choose(found: Candidates) -> tuple[Array, Array]:
+    """Index i * n_w + j of the best candidate, the lowest of equals, and whether there is one."""
+    n_v, n_w, _ = found.score.shape
+    best = jnp.max(found.score, axis=(0, 1))
+    index = jnp.arange(n_v * n_w).reshape(n_v, n_w, 1)
+    chosen = jnp.min(jnp.where(found.score == best, index, n_v * n_w - 1), axis=(0, 1))
+    return chosen, jnp.isfinite(best)
+
+
+def decide(
+    params: DwaParams, static: DwaStatic, motion: Motion, obstacles: Array, goal: Array
+) -> tuple[Array, Array]:
+    """Speed and yaw rate to execute next (m/s, rad/s), float[lanes]; arguments as `candidates`."""
+    found = candidates(params, static, motion, obstacles, goal)
+    chosen, any_admissible = choose(found)
+    column = chosen % static.n_w
+    row = (chosen - column) // static.n_w
+    v = found.v[0] + row.astype(motion.v.dtype) * params.v_step
+    w = found.w[0] + column.astype(motion.w.dtype) * params.w_step
+    blocked_v, blocked_w = _when_blocked(params, static, motion, goal)
+    return jnp.where(any_admissible, v, blocked_v), jnp.where(any_admissible, w, blocked_w)
+
+
+def _when_blocked(
+    params: DwaParams, static: DwaStatic, motion: Motion, goal: Array
+) -> tuple[Array, Array]:
+    v = _towards_zero(motion.v, params.v_dec * params.dt)
+    if static.when_blocked == "brake":
+        return v, _towards_zero(motion.w, params.w_dec * params.dt)
+    sin, cos = sincos(motion.psi)
+    side = cos * (goal[1] - motion.y) - sin * (goal[0] - motion.x)
+    change = jnp.where(side >= 0.0, params.w_acc, -params.w_dec) * params.dt
+    return v, jnp.clip(motion.w + change, params.w_min, params.w_max)
+
+
+def _towards_zero(rate: Array, change: Scalar) -> Array:
+    return jnp.sign(rate) * jnp.maximum(jnp.abs(rate) - change, 0.0)

@@ -1,0 +1,167 @@
+"""The driver for everything that ends early: searches, episodes, hunts.
+
+A fixed set of lanes works through a queue of jobs. Lanes advance together, a chunk of steps at
+a time; then those that finished write their result to its place in job order and take the next
+job. Without the refill every lane would wait for the slowest of its batch.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+Tree = Any
+"""A pytree of arrays."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """What a lane does. All functions are batched: lanes are the LAST axis of a state's leaves.
+
+    Attributes:
+      start: int32[lanes] job numbers -> state.
+      step: state -> state, for all lanes; what it does to a finished lane is discarded. Leaves
+        that it passes on untouched cost nothing.
+      done: state -> bool[lanes]; must come true after some number of steps.
+      result: state -> pytree of [lanes, ...] arrays (lanes first: these are rows of a table).
+    """
+
+    start: Callable[[Array], Tree]
+    step: Callable[[Tree], Tree]
+    done: Callable[[Tree], Array]
+    result: Callable[[Tree], Tree]
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class Usage:
+    """How the lanes spent their time; busy / total is the occupancy."""
+
+    busy: Array  # int32, lane-steps that advanced an unfinished job
+    total: Array  # int32, lane-steps executed
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class _Queue:
+    state: Tree
+    job: Array  # int32[lanes], the job in each lane; n_jobs or more: idle
+    next_job: Array  # int32, first job not yet given out
+    results: Tree  # [capacity, ...]
+    busy: Array  # int32
+    chunks: Array  # int32, chunks executed
+
+
+def run(
+    program: Program,
+    n_jobs: Array | int,
+    *,
+    capacity: int,
+    lanes: int,
+    chunk: int,
+    max_steps: int,
+    refill: bool = True,
+) -> tuple[Tree, Usage]:
+    """Run jobs 0 .. n_jobs - 1 and return their results in job order.
+
+    Args:
+      program: what a lane does.
+      n_jobs: number of jobs, from 1 to `capacity`; may be traced.
+      capacity: rows of the result, static.
+      lanes: jobs under way at a time, static.
+      chunk: steps between two refills, static.
+      max_steps: steps after which any job is done, static; bounds the loop.
+      refill: False gives out new jobs only when all lanes have finished (for comparison).
+
+    Returns:
+      The results, leaves [capacity, ...] with rows from n_jobs on zero, and the lanes' usage.
+    """
+    n_jobs = jnp.asarray(n_jobs, jnp.int32)
+    job = jnp.arange(lanes, dtype=jnp.int32)
+    state = program.start(jnp.minimum(job, n_jobs - 1))
+    row = jax.eval_shape(program.result, state)
+    queue = _Queue(
+        state=state,
+        job=job,
+        next_job=jnp.int32(lanes),
+        results=jax.tree.map(lambda a: jnp.zeros((capacity, *a.shape[1:]), a.dtype), row),
+        busy=jnp.int32(0),
+        chunks=jnp.int32(0),
+    )
+    # Enough chunks for all jobs one after the other: reached only if `done` never comes true.
+    bound = n_jobs * (-(-max_steps // chunk) + 1)
+
+    def unfinished(queue: _Queue) -> Array:
+        return jnp.any(queue.job < n_jobs) & (queue.chunks < bound)
+
+    def turn(queue: _Queue) -> _Queue:
+        state, busy = _advance(program, queue.state, queue.job < n_jobs, chunk)
+        ended = program.done(state) & (queue.job < n_jobs)
+        row = jnp.where(ended, queue.job, capacity)
+        results = jax.tree.map(
+            lambda out, new: out.at[row].set(new, mode="drop"),
+            queue.results,
+            program.result(state),
+        )
+        take = ended if refill else ended & jnp.all(ended | (queue.job >= n_jobs))
+        given = queue.next_job + jnp.cumsum(take, dtype=jnp.int32) - 1
+        job = jnp.where(take, given, queue.job)
+        fresh = program.start(jnp.minimum(job, n_jobs - 1))
+        return _Queue(
+            state=keep(~take | (job >= n_jobs), state, fresh),
+            job=job,
+            next_job=queue.next_job + jnp.sum(take, dtype=jnp.int32),
+            results=results,
+            busy=queue.busy + busy,
+            chunks=queue.chunks + 1,
+        )
+
+    queue = jax.lax.while_loop(unfinished, turn, queue)
+    return queue.results, Usage(busy=queue.busy, total=queue.chunks * (chunk * lanes))
+
+
+def record(
+    program: Program, jobs: Array, steps: int, observe: Callable[[Tree], Tree]
+) -> tuple[Tree, Tree]:
+    """Run one job per lane for a fixed number of steps and keep what `observe` sees.
+
+    Args:
+      program: what a lane does.
+      jobs: int32[lanes].
+      steps: static.
+      observe: state -> pytree of arrays, called on the first state and after each step; a
+        finished lane repeats its last state.
+
+    Returns:
+      The results [lanes, ...] and the observations [steps + 1, ...].
+    """
+    first = program.start(jobs)
+
+    def advance(state: Tree, _: None) -> tuple[Tree, Tree]:
+        state = keep(program.done(state), state, program.step(state))
+        return state, observe(state)
+
+    last, seen = jax.lax.scan(advance, first, None, length=steps)
+    seen = jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), observe(first), seen)
+    return program.result(last), seen
+
+
+def keep(mask: Array, old: Tree, new: Tree) -> Tree:
+    """Per lane: the old state where `mask` bool[lanes], else the new one."""
+    return jax.tree.map(lambda a, b: a if a is b else jnp.where(mask, a, b), old, new)
+
+
+def _advance(program: Program, state: Tree, live: Array, chunk: int) -> tuple[Tree, Array]:
+    """Advance all lanes by a chunk; also the number of lane-steps that did something."""
+
+    def advance(_: Array, carry: tuple[Tree, Array]) -> tuple[Tree, Array]:
+        state, busy = carry
+        done = program.done(state)
+        busy = busy + jnp.sum(live & ~done, dtype=jnp.int32)
+        return keep(done, state, program.step(state)), busy
+
+    return jax.lax.fori_loop(0, chunk, advance, (state, jnp.int32(0)))

@@ -1,0 +1,223 @@
+"""Grid kernels against scipy and brute force."""
+
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy import ndimage
+
+from usvkernels import grids
+
+SHAPE = (13, 19)  # one shape, so that hypothesis does not compile anew for each example
+BOUND = 24  # beyond the diagonal of SHAPE
+MAPS = st.floats(0.0, 1.0).flatmap(
+    lambda density: st.integers(0, 2**32 - 1).map(
+        lambda seed: np.random.default_rng(seed).random(SHAPE) < density
+    )
+)
+
+draw = jax.jit(grids.random_blocked, static_argnums=(1, 2))
+inflate = jax.jit(grids.inflate, static_argnums=2)
+shoreline = jax.jit(grids.shoreline)
+nearest = jax.jit(grids.nearest_obstacles, static_argnums=3)
+
+
+def disc(radius: float) -> np.ndarray:
+    reach = int(radius)
+    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    return x * x + y * y <= radius * radius
+
+
+# --- random maps -----------------------------------------------------------------------------
+
+
+def test_a_random_map_depends_on_its_index_alone() -> None:
+    key = jax.random.key(7)
+    many = np.asarray(draw(key, 40, (9, 11), 0.3))
+    few = np.asarray(draw(key, 5, (9, 11), 0.3))
+    shard = np.asarray(draw(key, 5, (9, 11), 0.3, 20))
+    np.testing.assert_array_equal(many[:5], few)
+    np.testing.assert_array_equal(many[20:25], shard)
+    alone = jax.random.uniform(jax.random.fold_in(key, 33), (9, 11)) < 0.3
+    np.testing.assert_array_equal(many[33], np.asarray(alone))
+    assert len({m.tobytes() for m in many}) == 40
+
+
+def test_density_is_the_share_of_blocked_cells_and_nested() -> None:
+    key = jax.random.key(1)
+    levels = (0.0, 0.1, 0.35, 0.8, 1.0)
+    maps = [np.asarray(draw(key, 50, (40, 50), level)) for level in levels]
+    for level, drawn in zip(levels, maps, strict=True):
+        assert drawn.mean() == pytest.approx(level, abs=0.006)  # 4 sigma over 100,000 cells
+    for sparser, denser in pairwise(maps):
+        assert not (sparser & ~denser).any()
+
+
+def test_density_may_differ_between_maps() -> None:
+    key = jax.random.key(3)
+    mixed = np.asarray(draw(key, 5, (9, 11), jnp.array([0.0, 0.4, 1.0, 0.2, 0.4])))
+    assert not mixed[0].any()
+    assert mixed[2].all()
+    same = np.asarray(draw(key, 5, (9, 11), 0.4))
+    np.testing.assert_array_equal(mixed[[1, 4]], same[[1, 4]])
+
+
+def test_random_maps_are_the_same_under_x64() -> None:
+    single = np.asarray(draw(jax.random.key(5), 5, (9, 11), 0.25))
+    with jax.enable_x64(True):
+        double = np.asarray(draw(jax.random.key(5), 5, (9, 11), 0.25))
+    np.testing.assert_array_equal(single, double)
+
+
+# --- inflation -------------------------------------------------------------------------------
+
+
+@settings(max_examples=60, deadline=None)
+@given(MAPS, st.integers(0, 96).map(lambda quarter: quarter / 4))
+def test_inflate_is_dilation_by_a_disc(blocked: np.ndarray, radius: float) -> None:
+    ours = np.asarray(inflate(blocked, radius, BOUND))
+    np.testing.assert_array_equal(ours, ndimage.binary_dilation(blocked, disc(radius)))
+
+
+@settings(max_examples=60, deadline=None)
+@given(MAPS, st.integers(0, 600))
+def test_inflate_counts_cells_exactly_on_the_circle(blocked: np.ndarray, squared: int) -> None:
+    """The radius is the root of a whole number: float rounding decides unless allowed for."""
+    y, x = np.nonzero(blocked)
+    rows, columns = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    gap = (rows[..., None] - y) ** 2 + (columns[..., None] - x) ** 2
+    expected = (gap <= squared).any(axis=-1)
+    ours = np.asarray(inflate(blocked, np.sqrt(squared), 25))
+    np.testing.assert_array_equal(ours, expected)
+
+
+@pytest.mark.parametrize("radius", [0, 1, 2.5, 0.3 / 0.1, 40])
+def test_inflate_with_a_number_needs_no_bound(radius: float) -> None:
+    blocked = np.random.default_rng(0).random((12, 9)) < 0.05
+    expected = ndimage.binary_dilation(blocked, disc(radius + 1e-9))
+    np.testing.assert_array_equal(np.asarray(grids.inflate(blocked, radius)), expected)
+
+
+def test_inflate_takes_batches_and_a_radius_per_map() -> None:
+    blocked = np.random.default_rng(1).random((2, 3, 10, 8)) < 0.05
+    together = np.asarray(grids.inflate(jnp.asarray(blocked), 2.0))
+    for index in np.ndindex(2, 3):
+        np.testing.assert_array_equal(together[index], grids.inflate(blocked[index], 2.0))
+    radii = jnp.array([0.0, 1.5, 3.0])
+    mapped = jax.vmap(lambda b, r: grids.inflate(b, r, 3))(jnp.asarray(blocked[0]), radii)
+    for index, radius in enumerate((0.0, 1.5, 3.0)):
+        np.testing.assert_array_equal(mapped[index], grids.inflate(blocked[0, index], radius))
+
+
+def test_inflating_open_water_blocks_nothing() -> None:
+    assert not np.asarray(grids.inflate(np.zeros((6, 7), bool), 3.0)).any()
+
+
+# --- Chen's expansion ------------------------------------------------------------------------
+
+
+def test_expansion_scales_in_the_obstacles_own_frame() -> None:
+    square = np.array([[9.0, 19.0], [11.0, 19.0], [11.0, 21.0], [9.0, 21.0]])
+    grown = grids.expand_about_centre(square, np.array([10.0, 20.0]), 0.5)
+    expected = [[8.5, 18.5], [11.5, 18.5], [11.5, 21.5], [8.5, 21.5]]
+    np.testing.assert_allclose(grown, expected, rtol=1e-6)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_expansion_is_undone_by_its_inverse(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-10, 10, (4, 6, 2)).astype(np.float32)
+    centres = rng.uniform(-10, 10, (4, 2)).astype(np.float32)
+    expansion = rng.uniform(0, 3, 4).astype(np.float32)
+    grown = grids.expand_about_centre(points, centres, expansion)
+    scale = np.linalg.norm(grown - centres[:, None], axis=-1)
+    before = np.linalg.norm(points - centres[:, None], axis=-1)
+    np.testing.assert_allclose(scale, before * (1 + expansion[:, None]), rtol=1e-4)
+    back = grids.expand_about_centre(grown, centres, -expansion / (1 + expansion))
+    np.testing.assert_allclose(back, points, atol=1e-4)
+
+
+# --- cells and points ------------------------------------------------------------------------
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    arrays(np.int32, (5, 2), elements=st.integers(-1000, 1000)),
+    st.floats(0.125, 500, width=32),
+    st.tuples(*[st.floats(-1000, 1000, width=32)] * 2),
+)
+def test_the_centre_of_a_cell_lies_in_that_cell(
+    cells: np.ndarray, cell_size: float, origin: tuple[float, float]
+) -> None:
+    points = grids.cell_to_point(cells, np.float32(origin), np.float32(cell_size))
+    back = grids.point_to_cell(points, np.float32(origin), np.float32(cell_size))
+    np.testing.assert_array_equal(back, cells)
+    expected = np.asarray(origin) + cell_size * (cells + 0.5)
+    np.testing.assert_allclose(points, expected, rtol=1e-5, atol=1e-3)
+
+
+def test_points_outside_the_map_have_cells_outside() -> None:
+    cells = grids.point_to_cell(np.array([[-0.1, 5.0], [2.0, 3.999]]), np.zeros(2), 2.0)
+    np.testing.assert_array_equal(cells, [[-1, 2], [1, 1]])
+
+
+# --- nearest obstacles -----------------------------------------------------------------------
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1, 4, 12, 15]))
+def test_nearest_obstacles_against_sorting(seed: int, k: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-50, 50, (3, 12, 2)).astype(np.float32)
+    valid = rng.random((3, 12)) < rng.random()
+    points[~valid] = np.nan  # padding may hold anything
+    position = rng.uniform(-50, 50, (3, 2)).astype(np.float32)
+    chosen, mask = map(np.asarray, nearest(points, valid, position, k))
+    assert chosen.shape == (3, k, 2)
+    for lane in range(3):
+        there = points[lane][valid[lane]]
+        order = np.argsort(np.linalg.norm(there - position[lane], axis=1))[:k]
+        np.testing.assert_array_equal(mask[lane], np.arange(k) < len(order))
+        np.testing.assert_array_equal(chosen[lane][: len(order)], there[order])
+        assert not chosen[lane][len(order) :].any()
+
+
+def test_equally_near_obstacles_keep_their_order() -> None:
+    points = jnp.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.5, 0.0]])
+    chosen, mask = grids.nearest_obstacles(points, jnp.ones(4, bool), jnp.zeros(2), 3)
+    np.testing.assert_array_equal(chosen, [[0.5, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    assert np.asarray(mask).all()
+
+
+# --- shoreline -------------------------------------------------------------------------------
+
+
+@settings(max_examples=40, deadline=None)
+@given(MAPS)
+def test_shoreline_is_blocked_cells_beside_water(blocked: np.ndarray) -> None:
+    expected = np.zeros(SHAPE, bool)
+    for y, x in np.argwhere(blocked):
+        window = blocked[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2]
+        expected[y, x] = not window.all()
+    np.testing.assert_array_equal(np.asarray(shoreline(blocked)), expected)
+
+
+def test_the_edge_of_the_map_is_no_shore() -> None:
+    assert not np.asarray(grids.shoreline(np.ones((4, 5), bool))).any()
+
+
+@settings(max_examples=30, deadline=None)
+@given(MAPS)
+def test_the_nearest_land_is_always_shoreline(blocked: np.ndarray) -> None:
+    if not blocked.any():
+        return
+    shore = np.asarray(shoreline(blocked))
+    to_land = ndimage.distance_transform_edt(~blocked)
+    to_shore = ndimage.distance_transform_edt(~shore) if shore.any() else to_land
+    np.testing.assert_array_equal(to_shore[~blocked], to_land[~blocked])

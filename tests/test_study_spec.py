@@ -1,0 +1,243 @@
+"""Study files: what they mean, and every way to get one wrong."""
+
+import math
+import tomllib
+from pathlib import Path
+
+import pytest
+from test_study_fake import toy_study
+
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.study import load_spec, parse_spec
+from usvjax.study.spec import _short_names
+
+STUDIES = Path(__file__).parent.parent / "studies"
+
+
+def dwa(text: str = "") -> dict:
+    return tomllib.loads(f'name = "a"\nepisodes = 4\n{text}')
+
+
+def test_defaults_fill_in():
+    spec = parse_spec(dwa())
+    assert spec.methods == ("traditional", "improved")
+    assert spec.baseline == "traditional"
+    assert (spec.kind, spec.seed, spec.shard, spec.until) == ("dwa", 0, 2000, None)
+    (condition,) = spec.conditions
+    assert condition.label == "a"
+    assert condition.settings["maps"]["source"] == "lattice"
+    assert condition.settings["params"]["radius"] == 0.5
+
+
+def test_axes_are_crossed_in_order():
+    spec = parse_spec(dwa('[axes]\n"params.radius" = [0.2, 0.5]\nmaps.rate = [0.1, 0.2, 0.3]'))
+    assert [c.label for c in spec.conditions][:2] == [
+        "radius 0.2, rate 0.1",
+        "radius 0.2, rate 0.2",
+    ]
+    assert [c.index for c in spec.conditions] == list(range(6))
+    assert spec.conditions[5].settings["params"]["radius"] == 0.5
+    assert spec.conditions[5].settings["maps"]["rate"] == 0.3
+
+
+def test_listed_conditions_and_axes_combine():
+    spec = parse_spec(
+        dwa(
+            '[[conditions]]\nlabel = "narrow"\nparams.radius = 0.7\nmaps.rate = 0.2\n'
+            "[[conditions]]\nparams.radius = 0.2\n"
+            "[axes]\nparams.clearance_cap = [1.0, inf]"
+        )
+    )
+    assert [c.label for c in spec.conditions] == [
+        "narrow, clearance_cap 1",
+        "narrow, clearance_cap inf",
+        "radius 0.2, clearance_cap 1",
+        "radius 0.2, clearance_cap inf",
+    ]
+    assert spec.conditions[1].payload.params.clearance_cap == math.inf
+
+
+def test_clashing_short_names_are_written_in_full():
+    assert _short_names({"maps.rate", "params.rate", "params.radius"}) == {
+        "maps.rate": "maps.rate",
+        "params.rate": "params.rate",
+        "params.radius": "radius",
+    }
+
+
+def test_whole_numbers_do_for_numbers():
+    one = parse_spec(dwa("[params]\nradius = 1"))
+    assert one.hash == parse_spec(dwa("[params]\nradius = 1.0")).hash
+    assert isinstance(one.conditions[0].payload.params.radius, float)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"seed": 8},
+        {"episodes": 251},
+        {"shard": 99},
+        {"methods": ["better", "plain"]},
+        {"baseline": "better"},
+        {"until": 0.5},
+        {"confidence": 0.9},
+        {"name": "other"},
+        {"params": {"radius": 0.6}},
+        {"axes": {"params.rate": [0.5, 0.91]}},
+    ],
+)
+def test_whatever_decides_results_changes_the_hash(change):
+    assert parse_spec(toy_study(**change)).hash != parse_spec(toy_study()).hash
+
+
+def test_writing_out_a_default_does_not_change_the_hash():
+    written = toy_study(confidence=0.95, baseline="plain", params={"radius": 0.5})
+    assert parse_spec(written).hash == parse_spec(toy_study()).hash
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("episode = 3", "unknown key 'episode'; did you mean 'episodes'?"),
+        ("[parms]\nradius = 1", "unknown key 'parms'; did you mean 'params'?"),
+        ("[params]\nraduis = 1", r"\[params\]: unknown key 'raduis'; did you mean 'radius'?"),
+        ("[static]\nhorison = 3", r"\[static\]: unknown key 'horison'; did you mean 'horizon'?"),
+        ("[maps]\nrat = 0.1", r"\[maps\]: unknown key 'rat'; did you mean 'rate'?"),
+        ("[maps]\nsource = 'latice'", "unknown source 'latice'; did you mean 'lattice'?"),
+        ("[maps]\nrate_meaning = 'counts'", "did you mean 'count'?"),
+        ("kind = 'dva'", "unknown kind 'dva'; did you mean 'dwa'?"),
+        ("methods = ['improvd']", "unknown method 'improvd'.*did you mean 'improved'?"),
+        ("methods = ['improved', 'improved']", "names a method twice"),
+        ("baseline = 'traditionel'", "did you mean 'traditional'?"),
+        ("methods = ['improved']\nbaseline = 'traditional'", "not one of 'methods'"),
+        ("[params]\npreset = 'tan2021'", "'tan2022'"),
+        ("[static]\nmethod = 'improved'", "list methods in 'methods'"),
+        ("seed = -1", "'seed' must lie between 0 and"),
+        ("shard = 0", "'shard' must lie between 1 and"),
+        ("until = 0.0", "'until' must lie between 0 and 1"),
+        ("until = nan", "'until' must lie between 0 and 1"),
+        ("confidence = 1.0", "'confidence' must lie between 0 and 1"),
+        ("[params]\nradius = -0.5", "radius.*-0.5"),
+        ("[params]\nradius = nan", "radius.*nan"),
+        ("[params]\ndt = 0.0", "dt.*0"),
+        ("[params]\nv_min = 2.0", "v_min.*2"),
+        ("[static]\nclearance = 'trajectry'", "'trajectory'"),
+        ("[static]\nhorizon = 0", "horizon.*0"),
+        ("[maps]\nrate = 1.5", r"'rate' must lie in \[0, 1\], got 1.5"),
+        ("[maps]\nrate = nan", r"'rate' must lie in \[0, 1\], got nan"),
+        ("[maps]\nsource = 'random'\ndensity = -0.1", r"'density' must lie in \[0, 1\]"),
+        ("[maps]\nsource = 'random'", "either 'number' or 'density'"),
+        ("[maps]\nsource = 'random'\nnumber = -3", "discs are possible, got -3"),
+        ("[maps]\nlo = 3\nhi = 3", "'lo' must be below 'hi'"),
+        ("[maps]\ngoal = [0, 0]", "the same point"),
+        ("[maps]\ngoal = [inf, 0]", "must be finite"),
+        ("[maps]\nsource = 'grid'", "the key 'map' is missing"),
+        ("[maps]\nsource = 'grid'\nmap = 'nowhere.map'", "nowhere.map"),
+        ("[maps]\nsource = 'grid'\nmap = 'hongze-1000'\n[params]\nradius = 800", "'min_clearance'"),
+        ("[maps]\nsource = 'grid'\nmap = 'hongze-1000'", "radius must be at least 707"),
+        ("[axes]\nradius = [0.1]", "'radius' must be section.key"),
+        ("[axes]\nparam.radius = [0.1]", "did you mean 'params'?"),
+        ("[axes]\nparams.radius = [0.1, -1.0]", "radius.*-1"),
+        ("[axes]\nparams.radus = [0.1]", "did you mean 'radius'?"),
+        ("[[conditions]]\nparams.radius = 1\n[axes]\nparams.radius = [2]", "both"),
+        ("name = 3", "twice|overwrite|defined"),
+    ],
+)
+def test_bad_values_are_named(tmp_path, text, words):
+    path = tmp_path / "bad.toml"
+    path.write_text(f'name = "a"\nepisodes = 4\n{text}\n')
+    with pytest.raises(BadInputError, match=words) as error:
+        load_spec(path)
+    assert "bad.toml" in str(error.value)
+    assert "\n" not in str(error.value).strip()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("seed = 1.5", "'seed' must be an integer, got 1.5"),
+        ("seed = true", "'seed' must be an integer, got True"),
+        ("shard = '3'", "'shard' must be an integer, got '3'"),
+        ("methods = 'improved'", "'methods' must be a list, each a string"),
+        ("methods = [1]", r"'methods'\[0\] must be a string, got 1"),
+        ("until = 'narrow'", "'until' must be a number"),
+        ("params = 3", "'params' must be a table, got 3"),
+        ("axes = [1]", "'axes' must be a table"),
+        ("conditions = 3", r"'conditions' must be \[\[conditions\]\] tables"),
+        ("[params]\nradius = '0.5'", r"\[params\]: 'radius' must be a number, got '0.5'"),
+        ("[params]\nradius = true", r"\[params\]: 'radius' must be a number, got True"),
+        ("[params]\npreset = 1", "'preset' must be a string"),
+        ("[static]\nhorizon = 1.5", "'horizon' must be an integer"),
+        ("[static]\nbraking = 1", "'braking' must be a boolean"),
+        ("[maps]\ngoal = [1]", "'goal' must be a list of 2 values"),
+        ("[maps]\ngoal = 'here'", "'goal' must be a list, each a number"),
+        ("[maps]\nsource = 3", "'source' must be a string, got 3"),
+        ("[axes]\nparams.radius = 0.5", "'params.radius' must be a list of values, got 0.5"),
+        ("[axes]\nparams.radius = []", "must be a list of values"),
+        ("[[conditions]]\nlabel = 3", "'label' must be a string"),
+    ],
+)
+def test_wrong_types_are_named(tmp_path, text, words):
+    path = tmp_path / "bad.toml"
+    path.write_text(f'name = "a"\nepisodes = 4\n{text}\n')
+    with pytest.raises(BadTypeError, match=words):
+        load_spec(path)
+
+
+@pytest.mark.parametrize("episodes", [0, -1, 2**31])
+def test_impossible_episode_counts_are_refused(episodes):
+    with pytest.raises(BadInputError, match=f"'episodes' must lie between 1 and .*{episodes}"):
+        parse_spec(toy_study(episodes=episodes))
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "..", "a b", "-x"])
+def test_names_that_are_no_folder_are_refused(name):
+    with pytest.raises(BadInputError, match="'name' must be letters"):
+        parse_spec(toy_study(name=name))
+
+
+@pytest.mark.parametrize("key", ["name", "episodes"])
+def test_required_keys_are_asked_for(key):
+    study = toy_study()
+    del study[key]
+    with pytest.raises(BadInputError, match=f"the key '{key}' is missing"):
+        parse_spec(study)
+
+
+def test_unreadable_files_are_one_line(tmp_path):
+    with pytest.raises(BadInputError, match=r"none\.toml: No such file"):
+        load_spec(tmp_path / "none.toml")
+    with pytest.raises(BadInputError, match="Is a directory"):
+        load_spec(tmp_path)
+    (tmp_path / "broken.toml").write_text("name = ")
+    with pytest.raises(BadInputError, match="not valid TOML"):
+        load_spec(tmp_path / "broken.toml")
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(BadInputError, match="not valid TOML"):
+        load_spec(tmp_path / "binary.toml")
+
+
+def test_a_changed_map_file_changes_the_hash(tmp_path):
+    (tmp_path / "a.toml").write_text(
+        'name = "a"\nepisodes = 2\n[maps]\nsource = "grid"\nmap = "lake.map"\n'
+        "min_clearance = 2\ndistance = [5, 20]\n[params]\nradius = 1\n"
+    )
+    hashes = set()
+    for corner in (".", "@"):
+        rows = [corner + "." * 29] + ["." * 30] * 29
+        (tmp_path / "lake.map").write_text(
+            "type octile\nheight 30\nwidth 30\nmap\n" + "\n".join([*rows[:-1], "@" * 30]) + "\n"
+        )
+        hashes.add(load_spec(tmp_path / "a.toml").hash)
+    assert len(hashes) == 2
+
+
+@pytest.mark.parametrize("path", sorted(STUDIES.glob("*.toml")), ids=lambda p: p.stem)
+def test_shipped_studies_are_valid(path):
+    spec = load_spec(path)
+    assert spec.name == path.stem
+    assert spec.canonical()["conditions"]
+
+
+def test_shipped_studies_are_there():
+    assert {"tan2022", "hongze"} <= {path.stem for path in STUDIES.glob("*.toml")}

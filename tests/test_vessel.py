@@ -1,0 +1,188 @@
+"""Kinematics and their trigonometry against plain loops and complex numbers."""
+
+import cmath
+import math
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from dwa_situations import enable_x64
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from usvkernels.trig import angle_between, sincos, wrap_angle
+from usvkernels.vessel import (
+    body_step,
+    complex_product,
+    constant_command_rollout,
+    geometric_sum,
+    unicycle_step,
+)
+
+METRES = st.floats(-1e3, 1e3)
+HEADINGS = st.floats(-math.pi, math.pi)
+SPEEDS = st.floats(-10.0, 10.0)
+RATES = st.floats(-1.0, 1.0)
+PERIODS = st.floats(0.01, 1.0)
+ANGLES = st.floats(-1e3, 1e3)
+
+
+def euler_loop(
+    x: float, y: float, psi: float, v: float, w: float, dt: float, n: int
+) -> tuple[float, float, float]:
+    """Eq. 1 written out, n times, headings not wrapped."""
+    for _ in range(n):
+        x, y, psi = x + v * dt * math.cos(psi), y + v * dt * math.sin(psi), psi + w * dt
+    return x, y, psi
+
+
+def turns_apart(a: float, b: float) -> float:
+    """How far two angles are from being congruent, rad."""
+    return abs(math.remainder(a - b, 2.0 * math.pi))
+
+
+@given(METRES, METRES, HEADINGS, SPEEDS, RATES, PERIODS, st.integers(1, 60))
+@example(0.0, 0.0, 0.0, 1.0, 0.0, 0.1, 30)  # straight ahead, where a quotient is 0 / 0
+@example(0.0, 0.0, 1.0, 1.0, 1e-300, 0.1, 30)
+@settings(max_examples=150, deadline=None)
+def test_closed_form_rollout_is_the_euler_loop(
+    x: float, y: float, psi: float, v: float, w: float, dt: float, n: int
+) -> None:
+    with enable_x64():
+        got = constant_command_rollout(*(jnp.float64(a) for a in (x, y, psi, v, w)), dt, n)
+        got_x, got_y, got_psi = (float(a) for a in got)
+    want_x, want_y, want_psi = euler_loop(x, y, psi, v, w, dt, n)
+    scale = abs(x) + abs(y) + abs(v) * dt * n
+    assert abs(got_x - want_x) <= 1e-12 * scale
+    assert abs(got_y - want_y) <= 1e-12 * scale
+    assert turns_apart(got_psi, want_psi) <= 1e-12 * (1.0 + abs(w) * dt * n)
+
+
+def test_closed_form_rollout_in_float32() -> None:
+    rng = np.random.default_rng(1)
+    n = 5_000
+    x, y = rng.uniform(-10, 10, (2, n)).astype(np.float32)
+    psi = rng.uniform(-np.pi, np.pi, n).astype(np.float32)
+    v, w = (rng.uniform(-1, 1, (2, n)) * [[1.0], [0.6]]).astype(np.float32)
+    got = np.array(constant_command_rollout(x, y, psi, v, w, 0.1, 30), np.float64)
+    args = (a.astype(np.float64) for a in (x, y, psi, v, w))
+    want = np.array([euler_loop(*row, 0.1, 30) for row in zip(*args, strict=True)]).T
+    assert np.abs(got[:2] - want[:2]).max() < 4e-6
+    assert np.abs(np.exp(1j * got[2]) - np.exp(1j * want[2])).max() < 2e-6
+
+
+@given(HEADINGS, st.integers(1, 200))
+@example(0.0, 200)
+@settings(max_examples=60, deadline=None)
+def test_geometric_sum_is_the_sum_of_powers(angle: float, n: int) -> None:
+    z = cmath.exp(1j * angle)
+    with enable_x64():
+        total, power = geometric_sum((jnp.float64(z.real), jnp.float64(z.imag)), n)
+    assert abs(complex(*map(float, total)) - sum(z**k for k in range(n))) <= 1e-12 * n
+    assert abs(complex(*map(float, power)) - z**n) <= 1e-12
+
+
+def test_geometric_sum_is_exact_without_rotation() -> None:
+    for n in (1, 2, 3, 29, 30, 31, 64, 1000):
+        total, power = geometric_sum((jnp.float32(1.0), jnp.float32(0.0)), n)
+        assert (float(total[0]), float(total[1])) == (n, 0.0)
+        assert (float(power[0]), float(power[1])) == (1.0, 0.0)
+
+
+@given(METRES, METRES, HEADINGS, SPEEDS, SPEEDS, RATES, PERIODS)
+@settings(max_examples=80, deadline=None)
+def test_steps_against_complex_numbers(
+    x: float, y: float, psi: float, surge: float, sway: float, w: float, dt: float
+) -> None:
+    with enable_x64():
+        pose = tuple(jnp.float64(a) for a in (x, y, psi))
+        unicycle = [float(a) for a in unicycle_step(*pose, surge, w, dt)]
+        body = [float(a) for a in body_step(*pose, surge, sway, w, dt)]
+    scale = 1e-14 * (abs(x) + abs(y) + dt * (abs(surge) + abs(sway)) + 1e-300)
+    eq1 = complex(x, y) + surge * dt * cmath.exp(1j * psi)
+    eq3 = complex(x, y) + complex(surge, sway) * dt * cmath.exp(1j * psi)
+    assert abs(complex(*unicycle[:2]) - eq1) <= scale
+    assert abs(complex(*body[:2]) - eq3) <= scale
+    for heading in (unicycle[2], body[2]):
+        assert -math.pi <= heading < math.pi
+        assert turns_apart(heading, psi + w * dt) <= 1e-14
+
+
+def test_sway_moves_to_port() -> None:
+    x, y, psi = body_step(*map(jnp.float32, (0.0, 0.0, 0.0)), 0.0, 1.0, 0.0, 0.5)
+    assert (float(x), float(y), float(psi)) == (0.0, 0.5, 0.0)
+
+
+@given(ANGLES)
+@example(math.pi)
+@example(-math.pi)
+@example(3.0 * math.pi)
+@example(math.nextafter(math.pi, 0.0))
+@example(math.nextafter(-math.pi, -4.0))
+@example(-1e-17)
+@settings(max_examples=300, deadline=None)
+def test_wrap_angle_float64(angle: float) -> None:
+    with enable_x64():
+        wrapped = float(wrap_angle(jnp.float64(angle)))
+    assert -math.pi <= wrapped < math.pi
+    assert turns_apart(wrapped, angle) <= 4e-16 * (1.0 + abs(angle))
+
+
+def test_wrap_angle_float32() -> None:
+    rng = np.random.default_rng(2)
+    pi = np.float32(np.pi)
+    odd = pi * np.arange(-9, 10, 2, dtype=np.float32)
+    near = [odd, np.nextafter(odd, np.float32(np.inf)), np.nextafter(odd, np.float32(-np.inf))]
+    angles = np.concatenate([rng.uniform(-50, 50, 100_000).astype(np.float32), *near])
+    wrapped = np.asarray(wrap_angle(angles))
+    assert wrapped.dtype == np.float32
+    assert (wrapped >= -pi).all()
+    assert (wrapped < pi).all()
+    off = np.exp(1j * wrapped.astype(np.float64)) - np.exp(1j * angles.astype(np.float64))
+    assert np.abs(off).max() <= 1e-6 * (1.0 + np.abs(angles).max() / np.pi)
+
+
+def test_sincos_float32_error() -> None:
+    rng = np.random.default_rng(3)
+    angles = np.concatenate(
+        [rng.uniform(-1e3, 1e3, 400_000), np.arange(-600, 601) * np.pi / 2, [0.0, -0.0]]
+    ).astype(np.float32)
+    sin, cos = (np.asarray(a) for a in sincos(angles))
+    exact = angles.astype(np.float64)
+    assert sin.dtype == cos.dtype == np.float32
+    assert np.abs(sin - np.sin(exact)).max() < 2e-7
+    assert np.abs(cos - np.cos(exact)).max() < 2e-7
+
+
+def test_sincos_float64_is_the_library() -> None:
+    angles = np.linspace(-20.0, 20.0, 10_001)
+    with enable_x64():
+        sin, cos = (np.asarray(a) for a in sincos(jnp.asarray(angles)))
+    assert np.abs(sin - np.sin(angles)).max() < 1e-15
+    assert np.abs(cos - np.cos(angles)).max() < 1e-15
+
+
+@pytest.mark.parametrize("scale", [1e-12, 1.0, 1e12])
+def test_angle_between_float32_error(scale: float) -> None:
+    rng = np.random.default_rng(4)
+    across, along = (rng.normal(size=(2, 200_000)) * scale).astype(np.float32)
+    along[:4], across[:4] = (scale, -scale, 0.0, 0.0), (0.0, 0.0, scale, -scale)
+    got = np.asarray(angle_between(across, along))
+    want = np.arctan2(np.abs(across.astype(np.float64)), along.astype(np.float64))
+    assert got.dtype == np.float32
+    assert np.abs(got - want).max() < 4e-7
+
+
+def test_angle_between_nothing_is_dead_ahead() -> None:
+    assert float(angle_between(jnp.float32(0.0), jnp.float32(0.0))) == 0.0
+
+
+@given(METRES, METRES, METRES, METRES)
+@settings(max_examples=40, deadline=None)
+def test_complex_product(a: float, b: float, c: float, d: float) -> None:
+    with enable_x64():
+        got = complex_product((jnp.float64(a), jnp.float64(b)), (jnp.float64(c), jnp.float64(d)))
+        got_re, got_im = float(got[0]), float(got[1])
+    want = complex(a, b) * complex(c, d)
+    size = abs(a) + abs(b)
+    assert abs(complex(got_re, got_im) - want) <= 1e-15 * size * (abs(c) + abs(d)) + 1e-300

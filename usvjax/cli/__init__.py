@@ -1,0 +1,150 @@
+"""The command line: `usvjax COMMAND ...`.
+
+A user's mistake is one line on stderr and exit code 2; Ctrl-C is 130. Each command's module is
+imported only when that command is asked for.
+"""
+
+import difflib
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+EXIT_USAGE = 2
+EXIT_INTERRUPTED = 130
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of `usvjax`.
+
+    Attributes:
+        help: one line.
+        example: a call that works in a source checkout.
+        module: where it lives.
+        name: the function there, or a dictionary of functions for a command with subcommands.
+        passes_on: whether everything after the first argument goes to another program.
+    """
+
+    help: str
+    example: str
+    module: str
+    name: str
+    passes_on: bool = False
+
+
+COMMANDS = {
+    "study": Command(
+        "run a study from a TOML file, or continue one",
+        "usvjax study studies/tan2022.toml",
+        "usvjax.cli.study",
+        "study",
+    ),
+    "reproduce": Command(
+        "regenerate a paper's tables and figures beside the published values",
+        "usvjax reproduce tan2022",
+        "usvjax.cli.reproduce",
+        "reproduce",
+        passes_on=True,
+    ),
+    "plot": Command(
+        "draw the figures of a run", "usvjax plot runs/tan2022", "usvjax.cli.plot", "plot"
+    ),
+    "animate": Command(
+        "animate one episode of a run",
+        "usvjax animate runs/tan2022 --job 3",
+        "usvjax.cli.animate",
+        "animate",
+    ),
+    "maps": Command(
+        "list, show, convert and draw maps",
+        "usvjax maps show hongze-250",
+        "usvjax.cli.maps",
+        "MAPS_COMMANDS",
+    ),
+}
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run a command.
+
+    Args:
+        args: command and arguments; those of the process when None.
+
+    Returns:
+        The exit code. `--help` and errors of usage leave through SystemExit instead.
+    """
+    from usvjax.errors import BadInputError, BadTypeError
+
+    given = list(sys.argv[1:] if args is None else args)
+    try:
+        return _dispatch(given)
+    except (BadInputError, BadTypeError) as error:
+        print("usvjax:", " ".join(str(error).split()), file=sys.stderr)
+        return EXIT_USAGE
+    except KeyboardInterrupt as stop:
+        print("usvjax:", str(stop) or "interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read our output has left; without this, Python would complain on exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+
+
+def _dispatch(given: list[str]) -> int:
+    if not given or given[0] in ("-h", "--help"):
+        _print_help()
+        return 0 if given else EXIT_USAGE
+    if given[0] == "--version":
+        import usvjax
+
+        print(f"usvjax {usvjax.__version__}")
+        return 0
+    name, *rest = given
+    if name not in COMMANDS:
+        return _unknown(name)
+    return _run(name, rest)
+
+
+def _run(name: str, rest: list[str]) -> int:
+    command = COMMANDS[name]
+    target = getattr(importlib.import_module(command.module), command.name)
+    if command.passes_on and rest and not rest[0].startswith("-"):
+        return _exit_code(target(rest[0], *rest[1:]))
+    import tyro
+
+    prog = f"usvjax {name}"
+    if isinstance(target, dict):
+        return _exit_code(tyro.extras.subcommand_cli_from_dict(target, prog=prog, args=rest))
+    return _exit_code(tyro.cli(target, prog=prog, args=rest))
+
+
+def _exit_code(result: Any) -> int:
+    return result if isinstance(result, int) else 0
+
+
+def _unknown(name: str) -> int:
+    near = difflib.get_close_matches(name, COMMANDS, n=1, cutoff=0.5)
+    hint = f"did you mean {near[0]!r}?" if near else f"commands: {', '.join(COMMANDS)}"
+    print(f"usvjax: unknown command {name!r}; {hint}", file=sys.stderr)
+    return EXIT_USAGE
+
+
+def _print_help() -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    console.print("usage: [bold]usvjax COMMAND ...[/bold]\n")
+    console.print("Massive-rollout simulator for unmanned surface vehicles.\n")
+    table = Table(box=None, show_header=False, padding=(0, 3, 0, 2))
+    for name, command in COMMANDS.items():
+        table.add_row(f"[bold]{name}[/bold]", command.help)
+        table.add_row("", f"[dim]{command.example}[/dim]")
+    console.print(table)
+    console.print(
+        "\n[bold]usvjax COMMAND --help[/bold] explains one command, "
+        "[bold]usvjax --version[/bold] says which version this is."
+    )

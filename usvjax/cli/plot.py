@@ -1,0 +1,59 @@
+"""`usvjax plot`: draw the figures of a run."""
+
+import json
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+
+RunPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RUN")]
+AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
+Formats = Annotated[tuple[Literal["png", "pdf", "svg"], ...], tyro.conf.arg(name="format")]
+
+
+def plot(
+    run: RunPath,
+    formats: Formats = ("png",),
+    max_examples: int = 4,
+    max_paths: int = 200,
+    folder: Path = Path(),
+    as_json: AsJson = False,
+) -> None:
+    """Draw the figures of a run, finished or still under way, into RUN/figures.
+
+    success: how episodes ended, with intervals. distributions: time and path length where all
+    methods reached. paths: one episode, chosen by a rule, under all methods. chart: many
+    episodes on a real map, coloured by how they ended.
+
+    Example: usvjax plot runs/tan2022 --format png pdf
+
+    Args:
+        run: Directory that `usvjax study` wrote.
+        formats: File formats: png (200 dpi), pdf or svg.
+        max_examples: Conditions, from the first, of which episodes are simulated again for
+            paths and charts; 0 for none.
+        max_paths: Trajectories on a chart.
+        folder: What a map file named by the study is relative to, if it uses one of your own.
+        as_json: Print the files written as JSON, for scripts.
+    """
+    from usvjax.devices import use_compilation_cache
+    from usvjax.plots.study import figures_for_run
+
+    use_compilation_cache()
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+
+    def tell(path: Path) -> None:
+        if not as_json:
+            console.print(f"Figure   {path}")
+
+    written = figures_for_run(
+        run,
+        formats=tuple(f".{name}" for name in formats),
+        max_examples=max_examples,
+        max_paths=max_paths,
+        folder=folder,
+        on_written=tell,
+    )
+    if as_json:
+        print(json.dumps({"run": str(run), "figures": [str(path) for path in written]}))

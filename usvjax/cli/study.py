@@ -1,0 +1,145 @@
+"""`usvjax study`: run a study with a progress bar, then show what it found."""
+
+import json
+import shlex
+from pathlib import Path
+from types import TracebackType
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+StudyPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")]
+AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
+Flag = Annotated[bool, tyro.conf.FlagCreatePairsOff]
+Devices = Annotated[int | None, tyro.conf.arg(metavar="N")]
+
+
+def study(
+    file: StudyPath,
+    out: Path = Path("runs"),
+    as_json: AsJson = False,
+    devices: Devices = None,
+    quiet: Flag = False,
+    no_figures: Flag = False,
+) -> None:
+    """Run a study, or continue one that was stopped or killed.
+
+    Results go to OUT/NAME: Parquet shards, manifest.json, summary.json, summary.md, figures.
+    The same command continues a run where it stopped; a run of a changed study, or of another
+    version, is refused and left alone.
+
+    Example: usvjax study studies/tan2022.toml --out runs
+
+    Args:
+        file: The study; see studies/ for examples.
+        out: Folder that holds the run directories.
+        as_json: Print the summary as JSON, for scripts.
+        devices: How many devices (on a CPU, cores) to use; all by default. Results do not
+            depend on it.
+        quiet: No progress bar.
+        no_figures: Draw no figures; `usvjax plot` draws them later.
+    """
+    from usvjax.devices import use_compilation_cache
+    from usvjax.study.report import terminal
+    from usvjax.study.runner import StudyStoppedError
+    from usvjax.study.spec import load_spec
+    from usvjax.study.study import run_study
+
+    use_compilation_cache()
+    spec = load_spec(file)
+    try:
+        with _Bar(spec.name, quiet) as bar:
+            result = run_study(spec, out, devices=devices, listener=bar)
+    except StudyStoppedError as stop:
+        command = shlex.join(["usvjax", "study", str(file), "--out", str(out)])
+        had = f"stopped with {stop.done:,} of {stop.total:,} episodes on disk"
+        raise KeyboardInterrupt(f"{had}; continue with: {command}") from None
+    figures = [] if no_figures else _figures(result.path, file.parent)
+    if as_json:
+        found = {"run": str(result.path), "figures": list(map(str, figures))}
+        print(json.dumps({**found, "summary": result.summary}))
+        return
+    console = Console(highlight=False, markup=False)
+    console.print(terminal(result.summary))
+    console.print(f"Run      {result.path}", soft_wrap=True)
+    console.print(f"Summary  {result.path / 'summary.md'}", soft_wrap=True)
+    for figure in figures:
+        console.print(f"Figure   {figure}", soft_wrap=True)
+
+
+def _figures(run: Path, folder: Path) -> list[Path]:
+    """Draw the figures of a run; map files that its study names are relative to `folder`."""
+    from usvjax.plots.study import figures_for_run
+
+    return figures_for_run(run, folder=folder)
+
+
+class _Bar:
+    """A progress bar on stderr; an episode counts once per method."""
+
+    def __init__(self, name: str, quiet: bool) -> None:
+        console = Console(stderr=True, highlight=False)
+        self._progress = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=24),
+            _Episodes(),
+            TimeRemainingColumn(),
+            TextColumn("left,"),
+            TimeElapsedColumn(),
+            TextColumn("so far"),
+            console=console,
+            disable=quiet,
+        )
+        self._task = self._progress.add_task(name, total=None)
+
+    def __enter__(self) -> "_Bar":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            # A study that stopped early is finished nevertheless.
+            self._progress.update(self._task, total=self._progress.tasks[0].completed)
+        # Stopping a bar that never started would print an empty line.
+        if self._progress.live.is_started:
+            self._progress.stop()
+
+    def begin(self, done: int, total: int) -> None:
+        """Show the bar, and how much is there already."""
+        self._progress.reset(self._task, total=total, completed=done)
+        self._progress.start()
+        if done and not self._progress.disable:
+            self._progress.console.print(f"continuing: {done:,} of {total:,} episodes on disk")
+
+    def advance(self, episodes: int) -> None:
+        """Move the bar."""
+        self._progress.advance(self._task, episodes)
+
+    def stopping(self) -> None:
+        """Say that Ctrl-C was understood."""
+        self._progress.console.print("stopping: finishing the shards under way ...")
+
+
+class _Episodes(ProgressColumn):
+    """Episodes done and per second."""
+
+    def render(self, task: Task) -> Text:
+        """Return "4,000/60,000  2,345/s"."""
+        total = f"{task.total:,.0f}" if task.total is not None else "?"
+        speed = f"{task.speed:,.0f}/s" if task.speed else ""
+        return Text(f"{task.completed:,.0f}/{total} episodes  {speed}")

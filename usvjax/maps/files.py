@@ -1,0 +1,104 @@
+"""Load and save maps; the suffix of the file chooses the format."""
+
+from pathlib import Path
+from typing import Any
+
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.maps import arguments, disk
+from usvjax.maps.grid_map import GridMap
+from usvjax.maps.image import encode_image, read_image
+from usvjax.maps.movingai import encode_movingai, read_movingai
+from usvjax.maps.ros import Unknown, encode_ros, read_ros
+
+_MOVINGAI = (".map",)
+_ROS = (".yaml", ".yml")
+_LOSSLESS = (".png", ".pgm")
+_IMAGE = (*_LOSSLESS, ".jpg", ".jpeg")
+
+
+def load_map(
+    path: Any,
+    *,
+    cell_size: float | None = None,
+    origin: tuple[float, float] | None = None,
+    unknown: Unknown = "blocked",
+    threshold: float = 0.5,
+) -> GridMap:
+    """Load a map from a file.
+
+    - ``.map``: MovingAI; row 0 is y = 0. A JSON file of the same stem may give ``cell_size_m``,
+      ``origin`` ([x, y], m), ``name``, ``source``, ``licence`` and ``row_0: "north"``, which puts
+      the first row at the top. Terrain ``.``, ``G``, ``S`` is free; ``@``, ``O``, ``T``, ``W``
+      blocked.
+    - ``.yaml``, ``.yml``: ROS map_server with its image; yaw must be 0.
+    - ``.png``, ``.pgm``, ``.jpg``, ``.jpeg``: dark is blocked, the top is north; needs
+      ``cell_size``.
+
+    Args:
+        path: The file.
+        cell_size: Edge of a cell, m; overrides what the file says.
+        origin: (x, y) of the south-west corner, m; overrides what the file says.
+        unknown: What the unknown cells of a ROS map become.
+        threshold: Brightness in [0, 1] below which a pixel of a plain image is blocked.
+
+    Raises:
+        BadTypeError: An argument has the wrong type.
+        BadInputError: The file is missing, truncated or malformed, or an argument is out of range.
+    """
+    place = arguments.file_path("path", path)
+    if cell_size is not None:
+        cell_size = arguments.positive("cell_size", cell_size)
+    if origin is not None:
+        origin = arguments.pair("origin", origin)
+    suffix = place.suffix.lower()
+    if suffix in _MOVINGAI:
+        return read_movingai(place, cell_size, origin)
+    if suffix in _ROS:
+        return read_ros(place, cell_size, origin, unknown)
+    if suffix in _IMAGE:
+        return read_image(place, cell_size, origin, threshold)
+    raise BadInputError(_unknown_format(place, (*_MOVINGAI, *_ROS, *_IMAGE)))
+
+
+def save_map(grid: GridMap, path: Any, *, replace: bool = True) -> list[Path]:
+    """Save a map; loading it again gives the same cells, cell size and origin.
+
+    ``.map`` gets a JSON sidecar of the same stem unless cells are 1 m and the origin is (0, 0);
+    ``.yaml`` gets a ``.pgm`` of the same stem; ``.png`` and ``.pgm`` hold the cells alone, so
+    loading them needs ``cell_size`` (and ``origin``) again. Existing files are replaced, but only
+    once everything new is safely on disk.
+
+    Args:
+        grid: The map.
+        path: The file.
+        replace: False refuses to replace existing files (sidecars and images included).
+
+    Returns:
+        The files written.
+
+    Raises:
+        BadTypeError: An argument has the wrong type.
+        BadInputError: The format is unknown, the file cannot be written, or it exists and
+            ``replace`` is False.
+    """
+    if not isinstance(grid, GridMap):
+        raise BadTypeError(f"grid: got {type(grid).__name__}; wanted a GridMap")
+    place = arguments.file_path("path", path)
+    suffix = place.suffix.lower()
+    if suffix in _MOVINGAI:
+        files = encode_movingai(grid, place)
+    elif suffix in _ROS:
+        files = encode_ros(grid, place)
+    elif suffix in _LOSSLESS:
+        files = encode_image(grid, place)
+    else:
+        raise BadInputError(_unknown_format(place, (*_MOVINGAI, *_ROS, *_LOSSLESS)))
+    if not replace:
+        for existing in filter(Path.exists, files):
+            raise BadInputError(f"{existing}: exists already and would be replaced")
+    disk.write_all(files)
+    return list(files)
+
+
+def _unknown_format(path: Path, known: tuple[str, ...]) -> str:
+    return f"{path}: got suffix {path.suffix!r}; wanted one of {', '.join(known)}"

@@ -1,0 +1,158 @@
+"""ROS map_server maps: a ``.yaml`` that names an image and says how to read it.
+
+The rules are those of map_server's image loader. With s the mean of a pixel's channels (alpha
+included in trinary mode), the occupancy probability is p = (255 - s) / 255, or s / 255 if
+``negate``; a cell is occupied when p > occupied_thresh, free when p < free_thresh, and unknown in
+between. Mode ``scale`` grades the cells in between from 1 to 99 per cent (transparent ones are
+unknown); mode ``raw`` takes s (255 - s if ``negate``) as the percentage, unknown above 100. A
+graded cell counts as blocked from 50 per cent up.
+"""
+
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import yaml
+
+from usvjax.checks import one_of
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.maps import arguments, disk
+from usvjax.maps.grid_map import GridMap
+from usvjax.maps.image import encode_image, read_pixels
+
+Unknown = Literal["blocked", "free"]
+
+_REQUIRED = ("image", "resolution", "origin", "occupied_thresh", "free_thresh", "negate")
+_MODES = ("trinary", "scale", "raw")
+_BLOCKED_FROM_PERCENT = 50.0
+_UNKNOWN = -1.0
+# map_saver writes these, so that its own readers see free and occupied, nothing unknown.
+_OCCUPIED_THRESH, _FREE_THRESH, _FREE_PIXEL = 0.65, 0.196, 254
+
+
+def read_ros(
+    path: Path,
+    cell_size: float | None = None,
+    origin: tuple[float, float] | None = None,
+    unknown: Unknown = "blocked",
+) -> GridMap:
+    """Read a map_server map; given cell size and origin win over the file's.
+
+    Args:
+        path: The ``.yaml``; its image lies relative to it.
+        cell_size: Edge of a cell, m; None takes ``resolution``.
+        origin: (x, y) of the lower left corner, m; None takes the file's.
+        unknown: What unknown cells become.
+
+    Raises:
+        BadInputError: The file or its image is missing or malformed, a value is out of range, or
+            the map is rotated.
+    """
+    one_of("unknown", unknown, ("blocked", "free"))
+    content = _parse(path)
+    try:
+        resolution = arguments.positive("resolution", _as_number(content["resolution"]))
+        corner = _corner(content["origin"])
+        percent = _percent(content, path)
+    except (BadInputError, BadTypeError) as error:
+        raise BadInputError(f"{path}: {error}") from None
+    occupied = np.where(percent == _UNKNOWN, unknown == "blocked", percent >= _BLOCKED_FROM_PERCENT)
+    return GridMap(
+        occupied[::-1],
+        resolution if cell_size is None else cell_size,
+        corner if origin is None else origin,
+        path.stem,
+    )
+
+
+def encode_ros(grid: GridMap, path: Path) -> dict[Path, bytes]:
+    """Return a trinary map_server ``.yaml`` and its ``.pgm`` of the same stem."""
+    image = path.with_suffix(".pgm")
+    content = {
+        "image": image.name,
+        "mode": "trinary",
+        "resolution": grid.cell_size,
+        "origin": [*grid.origin, 0.0],
+        "negate": 0,
+        "occupied_thresh": _OCCUPIED_THRESH,
+        "free_thresh": _FREE_THRESH,
+    }
+    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None)
+    if grid.attribution:
+        note = " ".join(f"{grid.name}: {grid.attribution}".split())
+        text = f"# {note}\n{text}"
+    return {**encode_image(grid, image, free=_FREE_PIXEL), path: text.encode()}
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    try:
+        content = yaml.safe_load(disk.read_bytes(path).decode())
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        mark = getattr(error, "problem_mark", None)
+        place = f" line {mark.line + 1}" if mark else ""
+        raise BadInputError(f"{path}{place}: not valid YAML") from None
+    if not isinstance(content, dict):
+        raise BadInputError(f"{path}: not a map_server file (no keys)")
+    missing = [key for key in _REQUIRED if key not in content]
+    if missing:
+        raise BadInputError(f"{path}: not a map_server file, lacks {', '.join(missing)}")
+    return content
+
+
+def _percent(content: dict[str, Any], path: Path) -> np.ndarray:
+    """Occupancy of each pixel in per cent, float64[H, W], -1 where unknown."""
+    mode = content.get("mode", "trinary")
+    one_of("mode", mode, _MODES)
+    free, occupied = _thresholds(content)
+    negate = _as_flag(content["negate"])
+    if not isinstance(content["image"], str):
+        raise BadTypeError(f"image: got {content['image']!r}; wanted a file name")
+    pixels = read_pixels(path.parent / content["image"])
+    has_alpha = pixels.shape[-1] == 4
+    shade = (pixels if mode == "trinary" or not has_alpha else pixels[..., :3]).mean(axis=-1)
+    if mode == "raw":
+        value = np.floor(255.0 - shade if negate else shade)
+        return np.where(value <= 100, value, _UNKNOWN)
+    p = (shade if negate else 255.0 - shade) / 255.0
+    between = np.full(p.shape, _UNKNOWN)
+    if mode == "scale" and occupied > free:
+        between = np.floor(1.0 + 98.0 * (p - free) / (occupied - free))
+        if has_alpha:
+            between[pixels[..., 3] < 255] = _UNKNOWN
+    return np.where(p > occupied, 100.0, np.where(p < free, 0.0, between))
+
+
+def _thresholds(content: dict[str, Any]) -> tuple[float, float]:
+    free = arguments.fraction("free_thresh", _as_number(content["free_thresh"]))
+    occupied = arguments.fraction("occupied_thresh", _as_number(content["occupied_thresh"]))
+    if free > occupied:
+        raise BadInputError(
+            f"free_thresh: got {free:g}; wanted at most occupied_thresh, {occupied:g}"
+        )
+    return free, occupied
+
+
+def _corner(origin: Any) -> tuple[float, float]:
+    if not isinstance(origin, list) or len(origin) != 3:
+        raise BadInputError(f"origin: got {origin!r}; wanted [x, y, yaw]")
+    x, y, yaw = (
+        arguments.number(f"origin {axis}", _as_number(value))
+        for axis, value in zip(("x", "y", "yaw"), origin, strict=True)
+    )
+    if yaw != 0:
+        raise BadInputError(f"origin: got yaw {yaw:g} rad; wanted 0, rotated maps cannot be read")
+    return x, y
+
+
+def _as_number(value: Any) -> Any:
+    """Undo a quirk of YAML 1.1: 5e-2, without a point, is a string."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
+def _as_flag(value: Any) -> bool:
+    if value not in (0, 1):
+        raise BadInputError(f"negate: got {value!r}; wanted 0 or 1")
+    return bool(value)

@@ -1,0 +1,126 @@
+"""The JSON sidecar of a MovingAI map: its scale, its place and which way its rows run."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from usvjax.checks import whole_number
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.maps import arguments, disk
+from usvjax.maps.grid_map import GridMap
+
+# A JSON file with none of these beside a map is somebody else's file.
+_MARKS = ("cell_size_m", "origin", "row_0")
+
+
+@dataclass(frozen=True)
+class Sidecar:
+    """What a sidecar says; the defaults are MovingAI's own convention.
+
+    Attributes:
+        cell_size: Edge of a cell, m.
+        origin: (x, y) of the south-west corner of the map, m.
+        north_first: True if the first row of the file is the northern edge.
+        shape: (H, W) that it claims for the map; None where it says nothing.
+        name: What the map shows.
+        attribution: Source and licence of the data.
+    """
+
+    cell_size: float = 1.0
+    origin: tuple[float, float] = (0.0, 0.0)
+    north_first: bool = False
+    shape: tuple[int, int] | None = None
+    name: str = ""
+    attribution: str = ""
+
+
+def sidecar_path(map_path: Path) -> Path:
+    """Path of the sidecar of a map file: the same stem, ``.json``."""
+    return map_path.with_suffix(".json")
+
+
+def read_sidecar(map_path: Path) -> Sidecar | None:
+    """Read the sidecar of a map; None where there is none.
+
+    Raises:
+        BadInputError: The sidecar is malformed.
+    """
+    path = sidecar_path(map_path)
+    if not path.exists():
+        return None
+    content = _parse(path)
+    if not isinstance(content, dict) or not any(mark in content for mark in _MARKS):
+        return None
+    try:
+        return _sidecar_of(content)
+    except (BadInputError, BadTypeError) as error:
+        raise BadInputError(f"{path}: {error}") from None
+
+
+def encode_sidecar(grid: GridMap, map_path: Path) -> dict[Path, bytes]:
+    """Return the sidecar file that a map needs: none for unit cells at the origin.
+
+    A sidecar that is already there is replaced even then: it describes the old map.
+
+    Raises:
+        BadInputError: Another program's JSON file has the sidecar's name.
+    """
+    path = sidecar_path(map_path)
+    plain = grid.cell_size == 1.0 and grid.origin == (0.0, 0.0) and not grid.attribution
+    if read_sidecar(map_path) is None:
+        if plain:
+            return {}
+        if path.exists():
+            raise BadInputError(
+                f"{path}: is not the sidecar of a map and would be overwritten by the cell size "
+                f"and origin of {map_path.name}; save the map under another name"
+            )
+    height, width = grid.shape
+    content: dict[str, Any] = {
+        "name": grid.name,
+        "attribution": grid.attribution,
+        "cell_size_m": grid.cell_size,
+        "origin": list(grid.origin),
+        "height": height,
+        "width": width,
+        "row_0": "south",
+    }
+    text = json.dumps({key: value for key, value in content.items() if value != ""}, indent=1)
+    return {path: f"{text}\n".encode()}
+
+
+def _parse(path: Path) -> Any:
+    try:
+        return json.loads(disk.read_bytes(path).decode())
+    except UnicodeDecodeError:
+        raise BadInputError(f"{path}: not a text file") from None
+    except json.JSONDecodeError as error:
+        raise BadInputError(f"{path} line {error.lineno}: not valid JSON ({error.msg})") from None
+
+
+def _sidecar_of(content: dict[str, Any]) -> Sidecar:
+    row_0 = content.get("row_0", "south")
+    if row_0 not in ("north", "south"):
+        raise BadInputError(f"row_0: got {row_0!r}; wanted 'north' or 'south'")
+    shape = None
+    if "height" in content and "width" in content:
+        shape = (
+            whole_number("height", content["height"], 1),
+            whole_number("width", content["width"], 1),
+        )
+    return Sidecar(
+        cell_size=arguments.positive("cell_size_m", content.get("cell_size_m", 1.0)),
+        origin=arguments.pair("origin", content.get("origin", (0.0, 0.0))),
+        north_first=row_0 == "north",
+        shape=shape,
+        name=str(content.get("name", "")),
+        attribution=_attribution(content),
+    )
+
+
+def _attribution(content: dict[str, Any]) -> str:
+    if "attribution" in content:
+        return str(content["attribution"])
+    parts = [str(content[key]) for key in ("source", "licence") if content.get(key)]
+    return "; ".join(parts)

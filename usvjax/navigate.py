@@ -1,0 +1,281 @@
+"""Closed-loop navigation with the dynamic window approach, thousands of episodes at once."""
+
+from dataclasses import dataclass, fields
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from usvjax.checks import float_array
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.presets import check_dwa
+from usvjax.scene import Scene, padded, set_scene
+from usvkernels import dwa, episodes, lanes
+from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.episodes import Jobs, Outcome
+
+MOST_LANES = 256  # state of a step stays within the second-level cache
+MOST_ROWS = 8192  # episodes per call of a device; memory does not grow past it
+CHUNK = 32  # steps between two refills
+
+
+@dataclass(frozen=True)
+class NavigateResult:
+    """How B episodes ended; numpy arrays, in the order of the arguments.
+
+    Attributes:
+      status: int32[B], `Status`: REACHED, COLLIDED, STUCK or TIMED_OUT.
+      time: float32[B], duration (s) to whatever ended the episode.
+      path_length: float32[B], distance sailed (m).
+      mean_speed: float32[B], path_length / time (m/s); 0 for an episode of no duration.
+      min_clearance: float32[B], least distance to an obstacle's circle at an executed
+        position (m), negative on collision; inf where no obstacle was ever sensed.
+      steps: int32[B], control periods executed.
+      trajectory: float32[B, T, 5] or None: x (m), y (m), psi (rad), v (m/s), w (rad/s) from
+        the start on; after its end an episode repeats its last row.
+      occupancy: share of lane-steps that advanced an episode, in (0, 1].
+    """
+
+    status: np.ndarray
+    time: np.ndarray
+    path_length: np.ndarray
+    mean_speed: np.ndarray
+    min_clearance: np.ndarray
+    steps: np.ndarray
+    trajectory: np.ndarray | None
+    occupancy: float
+
+
+@dataclass(frozen=True)
+class DwaCandidates:
+    """One decision opened up; numpy arrays.
+
+    Attributes:
+      v: float32[n_v], candidate speeds (m/s).
+      w: float32[n_w], candidate yaw rates (rad/s).
+      end: float32[n_v, n_w, 2], predicted positions (m).
+      paths: float32[n_v, n_w, horizon + 1, 2], predicted trajectories (m).
+      clearance: float32[n_v, n_w], dist (m), capped.
+      admissible: bool[n_v, n_w].
+      score: float32[n_v, n_w], -inf where not admissible.
+      chosen: (i, j) of the executed candidate; None where none is admissible.
+      command: (v, w) executed (m/s, rad/s).
+    """
+
+    v: np.ndarray
+    w: np.ndarray
+    end: np.ndarray
+    paths: np.ndarray
+    clearance: np.ndarray
+    admissible: np.ndarray
+    score: np.ndarray
+    chosen: tuple[int, int] | None
+    command: tuple[float, float]
+
+
+def navigate_dwa(
+    obstacles: Any,
+    starts: Any,
+    goals: Any,
+    *,
+    params: DwaParams | None = None,
+    static: DwaStatic | None = None,
+    valid: Any = None,
+    record: bool = False,
+    sensing_range: float | None = None,
+    max_lanes: int = MOST_LANES,
+) -> NavigateResult:
+    """Sail B episodes from start to goal under the dynamic window approach.
+
+    Source: Tan et al. 2022, Eqs. 1 to 6 and section 3; readings in docs/equations.md. Runs on
+    all devices, or on that of an enclosing `jax.default_device`. An episode's result does not
+    depend on the others, their number or the devices.
+
+    Args:
+      obstacles: float[B, K, 2] centres (m), or float[K, 2] shared; rows that are masked, or
+        farther than 500 km, are padding. Or a `GridMap` shared by all: every blocked cell on
+        the shoreline is an obstacle, and `params.radius` must cover a cell.
+      starts: float[B, 3], x (m), y (m), psi (rad), at rest; or float[3].
+      goals: float[B, 2] (m); or float[2], shared.
+      params: defaults to Tan's Table 1. A leaf may be float[B], one value per episode.
+      static: choices of method; its n_v and n_w must hold the window of `params`.
+      valid: bool[B, K] (or bool[K]), False masks an obstacle.
+      record: also return the trajectories; memory grows with B times `static.max_steps`.
+      sensing_range: (m) with a `GridMap`, how far off shore is seen; by default as far as the
+        prediction reaches, plus braking and the radius.
+      max_lanes: most episodes under way at once on a device; for measurements.
+
+    Returns:
+      The outcomes, in the order of `starts`.
+
+    Raises:
+      BadTypeError: an argument of the wrong type or dtype.
+      BadInputError: a wrong shape, NaN or infinity, impossible parameters, or a start inside
+        an obstacle; the message names the argument and the first bad row.
+    """
+    params, static = params or DwaParams(), static or DwaStatic()
+    scene = set_scene(obstacles, starts, goals, valid, params, static, sensing_range)
+    return _sail(scene, params, static, record, max_lanes)
+
+
+def dwa_candidates(
+    obstacles: Any,
+    state: Any,
+    goal: Any,
+    *,
+    params: DwaParams | None = None,
+    static: DwaStatic | None = None,
+) -> DwaCandidates:
+    """Open up one decision: what each command of the window leads to and how it scores.
+
+    Args:
+      obstacles: float[K, 2], centres (m).
+      state: float[5], x (m), y (m), psi (rad), v (m/s), w (rad/s).
+      goal: float[2] (m).
+      params: defaults to Tan's Table 1; scalars.
+      static: choices of method.
+
+    Raises:
+      BadTypeError, BadInputError: as `navigate_dwa`.
+    """
+    params, static = params or DwaParams(), static or DwaStatic()
+    check_dwa(params, static)
+    points = float_array("obstacles", obstacles, (None, 2))
+    now = float_array("state", state, (5,))
+    target = float_array("goal", goal, (2,))
+    motion = dwa.Motion(*(jnp.asarray(now[i : i + 1], jnp.float32) for i in range(5)))
+    centres = jnp.asarray(padded(points[None])[0], jnp.float32)[:, :, None]
+    found, paths, command = _open_up(
+        params, static, motion, centres, jnp.asarray(target[:, None], jnp.float32)
+    )
+    index, any_admissible = dwa.choose(found)
+    i, j = divmod(int(index[0]), static.n_w)
+    return DwaCandidates(
+        v=np.asarray(found.v[:, 0]),
+        w=np.asarray(found.w[:, 0]),
+        end=np.stack([found.end_x[..., 0], found.end_y[..., 0]], -1),
+        paths=np.asarray(paths[..., 0, :]),
+        clearance=np.asarray(found.clearance[..., 0]),
+        admissible=np.asarray(found.admissible[..., 0]),
+        score=np.asarray(found.score[..., 0]),
+        chosen=(i, j) if bool(any_admissible[0]) else None,
+        command=(float(command[0][0]), float(command[1][0])),
+    )
+
+
+@partial(jax.jit, static_argnames="static")
+def _open_up(
+    params: DwaParams,
+    static: DwaStatic,
+    motion: dwa.Motion,
+    obstacles: jax.Array,
+    goal: jax.Array,
+) -> tuple[dwa.Candidates, jax.Array, tuple[jax.Array, jax.Array]]:
+    found = dwa.candidates(params, static, motion, obstacles, goal)
+    paths = dwa.predicted_paths(params, static, motion)
+    return found, paths, dwa.decide(params, static, motion, obstacles, goal)
+
+
+def _sail(
+    scene: Scene,
+    params: DwaParams,
+    static: DwaStatic,
+    record: bool,
+    max_lanes: int,
+) -> NavigateResult:
+    count = len(scene.start)
+    devices = chosen_devices()
+    capacity = _capacity(count, len(devices), record)
+    blocks = [np.arange(i, min(i + capacity, count)) for i in range(0, count, capacity)]
+
+    def work(rows: np.ndarray, device: jax.Device) -> tuple[Outcome, Any, Any]:
+        # Rows past the last one repeat it: shapes stay those that are compiled already.
+        padded = np.minimum(rows[0] + np.arange(capacity), rows[-1])
+        jobs = scene.rows(padded)
+        own = _params_of(params, padded)
+        jobs, own = jax.device_put((jobs, own), device)
+        if record:
+            return jax.device_get(_record(jobs, own, static))
+        width = min(max_lanes, capacity)
+        outcome, usage = _run(jobs, own, static, np.int32(len(rows)), width)
+        return (*jax.device_get((outcome, usage)), None)
+
+    results = list(share_out(work, blocks, devices))
+    return _collect(results, blocks, scene, params, static)
+
+
+def _capacity(count: int, devices: int, record: bool) -> int:
+    share = -(-count // devices)
+    most = MOST_LANES if record else MOST_ROWS
+    return min(most, max(16, 1 << (share - 1).bit_length()))
+
+
+def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
+    values = {f.name: np.asarray(getattr(params, f.name), np.float32) for f in fields(params)}
+    chosen: dict[str, Any] = {name: v[rows] if v.ndim else v for name, v in values.items()}
+    return DwaParams(**chosen)
+
+
+@partial(jax.jit, static_argnames=("static", "width"), compiler_options=COMPILER_OPTIONS)
+def _run(
+    jobs: Jobs, params: DwaParams, static: DwaStatic, count: jax.Array, width: int
+) -> tuple[Outcome, lanes.Usage]:
+    return lanes.run(
+        episodes.program(jobs, params, static),
+        count,
+        capacity=jobs.start.shape[0],
+        lanes=width,
+        chunk=CHUNK,
+        max_steps=static.max_steps,
+    )
+
+
+@partial(jax.jit, static_argnames="static", compiler_options=COMPILER_OPTIONS)
+def _record(
+    jobs: Jobs, params: DwaParams, static: DwaStatic
+) -> tuple[Outcome, lanes.Usage, jax.Array]:
+    rows = jobs.start.shape[0]
+    outcome, seen = lanes.record(
+        episodes.program(jobs, params, static),
+        jnp.arange(rows, dtype=jnp.int32),
+        static.max_steps,
+        episodes.observe,
+    )
+    usage = lanes.Usage(
+        busy=jnp.sum(outcome.steps), total=jnp.asarray(rows * static.max_steps, jnp.int32)
+    )
+    return outcome, usage, jnp.moveaxis(seen, 2, 0)
+
+
+def _collect(
+    results: list[tuple[Outcome, Any, Any]],
+    blocks: list[np.ndarray],
+    scene: Scene,
+    params: DwaParams,
+    static: DwaStatic,
+) -> NavigateResult:
+    def joined(name: str) -> np.ndarray:
+        parts = zip(results, blocks, strict=True)
+        return np.concatenate([np.asarray(getattr(r[0], name))[: len(rows)] for r, rows in parts])
+
+    steps, length = joined("steps"), joined("path_length")
+    time = (steps * np.asarray(params.dt, np.float64)).astype(np.float32)
+    speed = np.divide(length, time, out=np.zeros_like(length), where=time > 0)
+    trajectory = None
+    if results[0][2] is not None:
+        parts = zip(results, blocks, strict=True)
+        trajectory = np.concatenate([r[2][: len(rows)] for r, rows in parts])
+        trajectory = trajectory[:, : int(steps.max()) + 1]
+        trajectory[..., :2] += scene.origin.astype(np.float32)
+    return NavigateResult(
+        status=joined("status"),
+        time=time,
+        path_length=length,
+        mean_speed=speed,
+        min_clearance=joined("min_clearance"),
+        steps=steps,
+        trajectory=trajectory,
+        occupancy=sum(int(r[1].busy) for r in results) / sum(int(r[1].total) for r in results),
+    )

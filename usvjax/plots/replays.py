@@ -1,0 +1,245 @@
+"""Episodes of a finished run, simulated again with their trajectories recorded.
+
+A run keeps one row per episode and no trajectory. Job j's scenario and result depend on the
+study alone, so the very episode of a row can be had back at any time; whether it really is
+the same one is checked against the row.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from usvjax.errors import BadInputError
+from usvjax.maps import GridMap
+from usvjax.navigate import NavigateResult, dwa_candidates, navigate_dwa
+from usvjax.plots.animation import Decide, Episode
+from usvjax.plots.paths import Outcome
+from usvjax.scene import set_scene
+from usvjax.study import Run
+from usvjax.study.dwa_workload import DwaCondition
+from usvjax.study.scenarios import Scenarios
+from usvjax.study.workload import get_workload
+from usvkernels.dwa import FAR, DwaParams, DwaStatic
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Episodes of one condition and method, with trajectories.
+
+    Attributes:
+        label: Condition and method in words.
+        jobs: int64[J], numbers of the episodes.
+        params: Of the method.
+        static: Of the method, the method's name included.
+        scenarios: Where the episodes took place, in the order of `jobs`.
+        result: How they went, in the order of `jobs`, with `trajectory`.
+    """
+
+    label: str
+    jobs: NDArray[np.int64]
+    params: DwaParams
+    static: DwaStatic
+    scenarios: Scenarios
+    result: NavigateResult
+
+    @property
+    def grid_map(self) -> GridMap | None:
+        """The shared map, or None where every episode has circles of its own."""
+        found = self.scenarios.obstacles
+        return found if isinstance(found, GridMap) else None
+
+    @property
+    def trajectories(self) -> NDArray[np.float32]:
+        """float32[J, T, 5]: x, y (m), psi (rad), v (m/s), w (rad/s)."""
+        assert self.result.trajectory is not None
+        return self.result.trajectory
+
+    def circles(self, row: int) -> FloatArray:
+        """Centres of the obstacles of one episode, float[K, 2] m; none on a shared map."""
+        if isinstance(self.scenarios.obstacles, GridMap):
+            return np.empty((0, 2))
+        centres = np.asarray(self.scenarios.obstacles[row], dtype=float)
+        if self.scenarios.valid is not None:
+            centres = centres[self.scenarios.valid[row]]
+        return centres
+
+    def outcome(self, row: int) -> Outcome:
+        """How one episode ended."""
+        found = self.result
+        return Outcome(
+            status=int(found.status[row]),
+            time=float(found.time[row]),
+            path_length=float(found.path_length[row]),
+        )
+
+    def episode(self, row: int) -> Episode:
+        """One episode as something to animate."""
+        return Episode(
+            trajectory=self.trajectories[row],
+            goal=self.scenarios.goals[row],
+            obstacles=self.circles(row),
+            radius=float(self.params.radius),
+            dt=float(self.params.dt),
+            goal_tolerance=float(self.params.goal_tolerance),
+            status=int(self.result.status[row]),
+            steps=int(self.result.steps[row]),
+            grid_map=self.grid_map,
+            title=f"{self.label}, job {self.jobs[row]}",
+        )
+
+    def decide(self, row: int) -> Decide:
+        """Return the function from a state of one episode to the decision taken there."""
+        goal = self.scenarios.goals[row]
+        sensed = self._sensing(row)
+
+        def decision(state: FloatArray) -> Any:
+            near = sensed(state)
+            return dwa_candidates(near, state, goal, params=self.params, static=self.static)
+
+        return decision
+
+    def _sensing(self, row: int) -> Any:
+        """From a state to the centres of the obstacles that the vessel knows there."""
+        if self.grid_map is None:
+            circles = self.circles(row)
+            return lambda state: circles
+        starts, goals = self.scenarios.starts[row], self.scenarios.goals[row]
+        scene = set_scene(self.grid_map, starts, goals, None, self.params, self.static, None)
+        chart = scene.chart
+        assert chart is not None
+        table, width = np.asarray(chart.table), int(chart.width)
+        size = float(chart.cell_size)
+
+        def sensed(state: FloatArray) -> FloatArray:
+            x, y = np.floor((state[:2] - scene.origin) / size).astype(int)
+            cells = table[y * width + x]
+            rows, columns = np.divmod(cells, width)
+            centres = scene.origin + size * (np.stack([columns, rows], axis=-1) + 0.5)
+            # Padding stays, so that every decision has the one shape that is compiled.
+            return np.where(cells[:, None] < 0, FAR, centres)
+
+        return sensed
+
+
+def replay(
+    run: Run,
+    table: pl.DataFrame,
+    condition: int,
+    method: str,
+    jobs: Sequence[int],
+    *,
+    folder: Path | None = None,
+) -> Replay:
+    """Simulate episodes of a run again, recording their trajectories.
+
+    Args:
+        run: The run, of kind "dwa".
+        table: Its rows, as `run.table()`.
+        condition: Index of the condition.
+        method: One of the run's methods.
+        jobs: Numbers of the episodes, at least one.
+        folder: What a map file named by the study is relative to; the working directory when
+            None. Packaged maps need none.
+
+    Returns:
+        The episodes, in the order of `jobs`.
+
+    Raises:
+        BadInputError: There is no such condition, method or episode, a map file is missing or
+            has changed, or the episodes end otherwise than in the table, because the run was
+            made with another version or kind of device.
+    """
+    rows = _rows(run, table, condition, method, jobs)
+    payload = _prepare(run, condition, folder)
+    numbers = np.asarray(jobs, dtype=np.int64)
+    seed = int(run.manifest["study"]["seed"])
+    scenarios = payload.source.draw(seed, numbers, float(payload.params.radius))
+    static = replace(payload.static, method=method)
+    result = navigate_dwa(
+        scenarios.obstacles,
+        scenarios.starts,
+        scenarios.goals,
+        valid=scenarios.valid,
+        params=payload.params,
+        static=static,
+        record=True,
+    )
+    _check_same(run, rows, result, numbers)
+    label = f"{run.labels[condition]}, {method}"
+    return Replay(label, numbers, payload.params, static, scenarios, result)
+
+
+def _rows(
+    run: Run, table: pl.DataFrame, condition: int, method: str, jobs: Sequence[int]
+) -> pl.DataFrame:
+    """Return the rows of some episodes, in their order; raise where there is none."""
+    if not 0 <= condition < len(run.settings):
+        last = len(run.settings) - 1
+        raise BadInputError(f"condition is {condition}; 0 to {last} was wanted in {run.path}")
+    if method not in run.methods:
+        known = ", ".join(run.methods)
+        raise BadInputError(f"method is {method!r}; one of {known} was wanted in {run.path}")
+    mine = table.filter((pl.col("condition") == condition) & (pl.col("method") == method))
+    wanted = pl.DataFrame({"job": list(jobs)}, schema={"job": mine.schema["job"]})
+    found = wanted.join(mine, on="job", how="left", maintain_order="left")
+    missing = found.filter(pl.col("status").is_null())["job"].to_list()
+    if missing:
+        raise BadInputError(
+            f"episode {missing[0]} is not in {run.path}; condition {condition} has "
+            f"{len(mine):,} of them, from 0"
+        )
+    return found
+
+
+def _prepare(run: Run, condition: int, folder: Path | None) -> DwaCondition:
+    """Build what runs the episodes from the settings in the manifest."""
+    study = run.manifest["study"]
+    if study["kind"] != "dwa":
+        raise BadInputError(f"{run.path} is of kind {study['kind']!r}; only 'dwa' can be replayed")
+    workload = get_workload(study["kind"], str(run.path))
+    settings = _given(run.settings[condition])
+    prepared = workload.prepare(settings, folder or Path(), str(run.path))
+    inputs = study["conditions"][condition]["inputs"]
+    if prepared.inputs != inputs:
+        names = ", ".join(inputs)
+        raise BadInputError(f"the map {names} is not the one that {run.path} was made with")
+    payload: DwaCondition = prepared.payload
+    return payload
+
+
+def _given(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Turn settings of a manifest back into those of a study file.
+
+    TOML has no null, so what was left open is left out; infinities are strings in JSON.
+    """
+    given: dict[str, Any] = {}
+    for key, value in settings.items():
+        if isinstance(value, Mapping):
+            given[key] = _given(value)
+        elif value in ("inf", "-inf"):
+            given[key] = math.inf if value == "inf" else -math.inf
+        elif value is not None:
+            given[key] = value
+    return given
+
+
+def _check_same(
+    run: Run, rows: pl.DataFrame, result: NavigateResult, jobs: NDArray[np.int64]
+) -> None:
+    """Raise where an episode went otherwise than in the table."""
+    same = rows["status"].to_numpy() == result.status
+    same &= rows["steps"].to_numpy() == result.steps
+    if not same.all():
+        made = ", ".join(f"{k} {run.manifest[k]}" for k in ("usvjax", "jax", "device"))
+        raise BadInputError(
+            f"episode {jobs[~same][0]} goes otherwise here than in {run.path}, which was made "
+            f"with {made}; replay it with the same code on the same kind of device"
+        )

@@ -1,0 +1,295 @@
+"""The one look of all figures: sizes, colours, names of outcomes, and saving.
+
+Colours are the Okabe-Ito set (Okabe & Ito 2008, "Color universal design"), told apart with any
+common colour vision; line styles and markers repeat what colour says, for print in grey.
+"""
+
+import os
+import tempfile
+import textwrap
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from usvjax.errors import BadInputError
+from usvkernels.status import Status
+
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+GREY, LIGHT_GREY = "#8C8C8C", "#D9D9D9"
+LAND, WATER, SHORE = "#E9E2D0", "#EAF3FA", "#8A8168"
+
+SINGLE_MM, DOUBLE_MM = 85.0, 170.0
+DPI = 200
+FORMATS = (".png", ".pdf", ".svg")
+
+_RC: dict[str, Any] = {
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.labelsize": 8.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "figure.titlesize": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E4E4E4",
+    "grid.linewidth": 0.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.4,
+    "pdf.fonttype": 42,  # embed TrueType: text in the PDF stays text
+    "svg.fonttype": "none",
+    "svg.hashsalt": "usvjax",  # the same figure gives the same bytes
+}
+
+STATUS_LABEL: dict[int, str] = {
+    Status.REACHED: "reached",
+    Status.COLLIDED: "collided",
+    Status.STUCK: "stuck",
+    Status.TIMED_OUT: "timed out",
+    Status.RUNNING: "running",
+}
+STATUS_COLOUR: dict[int, str] = {
+    Status.REACHED: GREEN,
+    Status.COLLIDED: VERMILLION,
+    Status.STUCK: PURPLE,
+    Status.TIMED_OUT: BLACK,
+    Status.RUNNING: GREY,
+}
+STATUS_MARKER: dict[int, str] = {
+    Status.REACHED: "o",
+    Status.COLLIDED: "X",
+    Status.STUCK: "s",
+    Status.TIMED_OUT: "^",
+    Status.RUNNING: ".",
+}
+
+
+class Look(NamedTuple):
+    """How the lines of one method look."""
+
+    colour: str
+    line: Literal["-", "--", "-.", ":"]
+    marker: str
+
+    @property
+    def zorder(self) -> float:
+        """Broken lines lie above solid ones, which show through the gaps."""
+        return 3.0 if self.line == "-" else 3.1
+
+
+_METHODS: dict[str, Look] = {
+    "traditional": Look(ORANGE, "--", "s"),
+    "improved": Look(BLUE, "-", "o"),
+}
+_OTHERS: tuple[Look, ...] = (
+    Look(GREEN, "-.", "^"),
+    Look(PURPLE, ":", "D"),
+    Look(VERMILLION, "-", "v"),
+    Look(SKY, "--", "P"),
+    Look(BLACK, "-.", "X"),
+)
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def method_looks(methods: Iterable[str]) -> dict[str, Look]:
+    """Colour, line style and marker of each method, the same in every figure.
+
+    Args:
+        methods: Names of methods, in any order.
+
+    Returns:
+        A dict from name to its look; "traditional" and "improved" keep theirs whatever stands
+        beside them.
+    """
+    names = list(methods)
+    others = sorted(set(names) - _METHODS.keys())
+    looks = {name: _OTHERS[i % len(_OTHERS)] for i, name in enumerate(others)}
+    return {name: _METHODS.get(name) or looks[name] for name in names}
+
+
+def method_handle(look: Look, label: str) -> Line2D:
+    """Return the legend handle of a method: line and marker."""
+    colour, line, marker = look
+    return Line2D([], [], color=colour, linestyle=line, marker=marker, markersize=4, label=label)
+
+
+def ordered_methods(methods: Iterable[str]) -> list[str]:
+    """Return each name once: the baseline "traditional" first, then by alphabet."""
+    return sorted(set(methods), key=lambda name: (name != "traditional", name))
+
+
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a drawing function so that it draws in the style of this package only."""
+
+    @wraps(draw)
+    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
+        with mpl.rc_context(_RC):  # type: ignore[arg-type]
+            return draw(*args, **kwargs)
+
+    return inside
+
+
+def new_figure(width_mm: float, height_mm: float) -> Figure:
+    """Return an empty figure of a size in millimetres, laid out so that nothing overlaps."""
+    fig = Figure(figsize=(width_mm / 25.4, height_mm / 25.4), layout="constrained")
+    FigureCanvasAgg(fig)
+    return fig
+
+
+def settle(fig: Figure) -> Figure:
+    """Run the layout until legends outside and equal aspects agree, and return the figure.
+
+    One pass places axes of equal aspect before it knows the room that the legend takes.
+    """
+    for _ in range(2):
+        fig.draw_without_rendering()
+    return fig
+
+
+def folded(text: str, width: int) -> str:
+    """Fold text into lines of at most so many letters where it has spaces."""
+    return textwrap.fill(text, width, break_long_words=False, break_on_hyphens=False)
+
+
+def tick_names(names: Sequence[str], room: int) -> tuple[list[str], dict[str, Any]]:
+    """Fold tick labels that stand side by side; slant or turn them where they do not fit.
+
+    Args:
+        names: The labels.
+        room: Letters that fit side by side on the axis.
+
+    Returns:
+        The labels, and keyword arguments for `Axes.set_xticks`.
+    """
+    level = ["\n".join(folded(line, 14) for line in name.split("\n")) for name in names]
+    longest = max((len(line) for label in level for line in label.split("\n")), default=0)
+    if len(names) * (longest + 2) <= room:
+        return level, {}
+    lines = max(name.count("\n") + 1 for name in names)
+    if len(names) * 3.5 * lines <= room:
+        return list(names), {"rotation": 40, "ha": "right", "rotation_mode": "anchor"}
+    return list(names), {"rotation": 90}
+
+
+def map_axes(ax: Axes, unit: str = "m") -> None:
+    """Label axes as a map: equal aspect, x east, y north."""
+    ax.set_aspect("equal")
+    ax.set_xlabel(f"x, east ({unit})")
+    ax.set_ylabel(f"y, north ({unit})")
+
+
+def outside_legend(fig: Figure, handles: list[Any], columns: int) -> None:
+    """Put one legend below the axes, where it covers no data."""
+    fig.legend(handles=handles, loc="outside lower center", ncols=columns)
+
+
+def status_name(status: int) -> str:
+    """Say a status code in words.
+
+    Raises:
+        BadInputError: The code is none of `usvkernels.status.Status`.
+    """
+    if int(status) not in STATUS_LABEL:
+        wanted = ", ".join(f"{code.value} {code.name}" for code in Status)
+        raise BadInputError(f"status is {status}; one of {wanted} was wanted")
+    return STATUS_LABEL[int(status)]
+
+
+def require_columns(columns: Iterable[str], wanted: Mapping[str, str]) -> None:
+    """Check that a result table has the columns a figure needs.
+
+    Args:
+        columns: The columns there are.
+        wanted: Column name to what it holds, for the message.
+
+    Raises:
+        BadInputError: One is missing.
+    """
+    there = list(columns)
+    for name, meaning in wanted.items():
+        if name not in there:
+            found = ", ".join(there) or "none"
+            raise BadInputError(f"table has no column {name!r} ({meaning}); it has {found}")
+
+
+def write_atomically(path: Path, write: Callable[[Path], object]) -> Path:
+    """Let `write` fill a temporary file beside `path`, then rename it into place.
+
+    A reader never sees half a file, and a failure leaves what was there before.
+
+    Args:
+        path: Where the file shall be; missing folders are made.
+        write: Called with the temporary path, which has the suffix of `path`.
+
+    Returns:
+        `path`.
+
+    Raises:
+        BadInputError: The folder or the file cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+    except OSError as error:
+        raise BadInputError(f"cannot write {path}: {error.strerror}") from error
+    temporary = Path(name)
+    try:
+        write(temporary)
+        os.fsync(handle)
+        temporary.chmod(0o644)
+        temporary.replace(path)
+    except OSError as error:
+        raise BadInputError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        os.close(handle)
+        temporary.unlink(missing_ok=True)
+    return path
+
+
+def save(fig: Figure, path: str | Path, *, dpi: int = DPI) -> Path:
+    """Write a figure, whole or not at all.
+
+    Args:
+        fig: Any figure of this package.
+        path: File to write; its suffix (.png, .pdf or .svg) chooses the format.
+        dpi: Dots per inch of a PNG.
+
+    Returns:
+        The path written.
+
+    Raises:
+        BadInputError: Another suffix, a dpi that is not positive, or a place that cannot be
+            written.
+    """
+    target = Path(path)
+    check_suffix(target, FORMATS)
+    if dpi <= 0:
+        raise BadInputError(f"dpi is {dpi}; a positive number was wanted")
+    # Without dates the same data gives the same file.
+    metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(target.suffix, {})
+
+    def write(temporary: Path) -> None:
+        with mpl.rc_context(_RC):  # type: ignore[arg-type]
+            fig.savefig(temporary, dpi=dpi, metadata=metadata)
+
+    return write_atomically(target, write)
+
+
+def check_suffix(path: Path, allowed: tuple[str, ...]) -> None:
+    """Raise BadInputError unless the file name ends in one of `allowed`."""
+    if path.suffix.lower() not in allowed:
+        wanted = ", ".join(allowed)
+        raise BadInputError(f"{path}: suffix {path.suffix!r} is not one of {wanted}")

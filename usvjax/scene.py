@@ -1,0 +1,209 @@
+"""The scenes of episodes, checked: circles per episode, or a map shared by all."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from usvjax.checks import float_array
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.maps import GridMap, obstacle_table
+from usvjax.presets import check_dwa
+from usvkernels.dwa import FAR, DwaParams, DwaStatic
+from usvkernels.episodes import Charted, Jobs
+
+ROWS_AT_ONCE = 8192  # of a check that would need an array of all rows times all obstacles
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Checked episodes on the host, in the frame of the map's corner.
+
+    Attributes:
+      start: float64[B, 3], x (m), y (m), psi (rad).
+      goal: float64[B, 2] (m).
+      origin: float64[2] (m), what was subtracted from the world's coordinates.
+      obstacles: float32[B or 1, 2, K], centres (m), FAR pads; None on a chart.
+      chart: the shared map; None among circles.
+    """
+
+    start: np.ndarray
+    goal: np.ndarray
+    origin: np.ndarray
+    obstacles: np.ndarray | None
+    chart: Charted | None
+
+    def rows(self, rows: np.ndarray) -> Jobs:
+        """The episodes of the given rows, in single precision."""
+        obstacles = self.obstacles
+        if obstacles is not None:
+            obstacles = obstacles[rows] if len(obstacles) > 1 else obstacles[np.zeros_like(rows)]
+        return Jobs(
+            start=self.start[rows].astype(np.float32),
+            goal=self.goal[rows].astype(np.float32),
+            obstacles=obstacles,
+            chart=self.chart,
+        )
+
+
+def set_scene(
+    obstacles: Any,
+    starts: Any,
+    goals: Any,
+    valid: Any,
+    params: DwaParams,
+    static: DwaStatic,
+    sensing_range: float | None,
+) -> Scene:
+    """Check and pack the episodes of `navigate_dwa`, whose docstring says what is what."""
+    on_map = isinstance(obstacles, GridMap)
+    start, goal = _rows("starts", starts, 3), _rows("goals", goals, 2)
+    maps = 1 if on_map or np.ndim(obstacles) < 3 else len(obstacles)
+    sets = max(np.size(value) for value in vars(params).values())
+    count = max(len(start), len(goal), maps, sets)
+    check_dwa(params, static, count)
+    start, goal = _repeat("starts", start, count), _repeat("goals", goal, count)
+    if on_map:
+        return _on_chart(obstacles, valid, start, goal, params, static, sensing_range)
+    return _among_circles(obstacles, valid, start, goal, params, sensing_range)
+
+
+def _rows(name: str, value: Any, width: int) -> np.ndarray:
+    shape = (width,) if np.ndim(value) == 1 else (None, width)
+    rows = np.atleast_2d(float_array(name, value, shape))
+    if len(rows) == 0:
+        raise BadInputError(f"{name}: got no rows; wanted at least one episode")
+    return rows
+
+
+def _repeat(name: str, rows: np.ndarray, count: int) -> np.ndarray:
+    if len(rows) not in (1, count):
+        raise BadInputError(f"{name}: got {len(rows)} rows; wanted {count}, one per episode")
+    return np.broadcast_to(rows, (count, rows.shape[1]))
+
+
+def _among_circles(
+    obstacles: Any,
+    valid: Any,
+    start: np.ndarray,
+    goal: np.ndarray,
+    params: DwaParams,
+    sensing_range: float | None,
+) -> Scene:
+    if sensing_range is not None:
+        raise BadInputError("sensing_range: goes with a GridMap; circles are all in sight")
+    shared = np.ndim(obstacles) == 2
+    shape = (None, 2) if shared else (len(start), None, 2)
+    centres = float_array("obstacles", obstacles, shape)
+    centres = centres[None] if shared else centres
+    if valid is not None:
+        centres = np.where(_mask(valid, centres.shape[:2])[..., None], centres, FAR)
+    packed = padded(centres).astype(np.float32)
+    _refuse_inside(packed, start, np.asarray(params.radius, np.float64))
+    return Scene(start, goal, np.zeros(2), packed, None)
+
+
+def _mask(valid: Any, shape: tuple[int, ...]) -> np.ndarray:
+    mask = np.asarray(valid)
+    if mask.dtype != bool:
+        raise BadTypeError(f"valid: got dtype {mask.dtype}; wanted bool")
+    if mask.shape not in (shape, shape[1:]):
+        raise BadInputError(f"valid: got shape {mask.shape}; wanted {shape}, as the obstacles")
+    return np.broadcast_to(mask, shape)
+
+
+def padded(centres: np.ndarray) -> np.ndarray:
+    """Centres [B, K, 2] as [B, 2, K'], K' a multiple of 8 so that few shapes are compiled."""
+    count = centres.shape[1]
+    padding = max(8, -(-count // 8) * 8) - count
+    packed = np.pad(centres, ((0, 0), (0, padding), (0, 0)), constant_values=FAR)
+    return np.ascontiguousarray(packed.transpose(0, 2, 1))
+
+
+def _refuse_inside(packed: np.ndarray, start: np.ndarray, radius: np.ndarray) -> None:
+    for first in range(0, len(start), ROWS_AT_ONCE):
+        rows = slice(first, first + ROWS_AT_ONCE)
+        centres = packed[rows] if len(packed) > 1 else packed
+        offset = centres - start[rows, :2, None]
+        inside = (offset**2).sum(axis=1) < np.reshape(_of_rows(radius, rows), (-1, 1)) ** 2
+        if inside.any():
+            row, k = (int(i) for i in np.argwhere(inside)[0])
+            raise BadInputError(
+                f"starts: episode {first + row} starts inside obstacle {k}; "
+                "wanted a start outside every inflated circle"
+            )
+
+
+def _of_rows(value: np.ndarray, rows: slice) -> np.ndarray:
+    return value[rows] if value.ndim else value
+
+
+def _on_chart(
+    grid: GridMap,
+    valid: Any,
+    start: np.ndarray,
+    goal: np.ndarray,
+    params: DwaParams,
+    static: DwaStatic,
+    sensing_range: float | None,
+) -> Scene:
+    if valid is not None:
+        raise BadInputError("valid: goes with obstacle centres, not with a GridMap")
+    covers = grid.cell_size * sqrt(0.5)
+    if np.min(params.radius) < covers:
+        raise BadInputError(
+            f"params.radius: got {np.min(params.radius):g} m; wanted at least {covers:g} m, half "
+            f"the diagonal of a {grid.cell_size:g} m cell, so that no vessel slips between cells"
+        )
+    for name, points in (("starts", start[:, :2]), ("goals", goal)):
+        blocked = np.asarray(grid.is_blocked(points))
+        if blocked.any():
+            row = int(np.argmax(blocked))
+            raise BadInputError(
+                f"{name}: episode {row} at ({points[row, 0]:g}, {points[row, 1]:g}) m is on a "
+                "blocked cell or off the map; wanted open water"
+            )
+    reach = _reach(params, static) if sensing_range is None else float(sensing_range)
+    if not 0 < reach < np.inf:
+        raise BadInputError(f"sensing_range: got {sensing_range}; wanted a positive length (m)")
+    origin = np.asarray(grid.origin, np.float64)
+    scene = Scene(
+        start=start - np.append(origin, 0.0),
+        goal=goal - origin,
+        origin=origin,
+        obstacles=None,
+        chart=_chart(grid, reach),
+    )
+    sensed = _sensed_at(scene)
+    _refuse_inside(sensed, scene.start, np.asarray(params.radius, np.float64))
+    return scene
+
+
+def _reach(params: DwaParams, static: DwaStatic) -> float:
+    """How far from the vessel an obstacle can matter (m)."""
+    fastest = np.maximum(np.abs(params.v_min), np.abs(params.v_max))
+    prediction = fastest * static.horizon * np.asarray(params.dt)
+    braking = fastest**2 / (2.0 * np.maximum(params.v_dec, 1e-9))
+    return float(np.max(prediction + braking + params.radius))
+
+
+@lru_cache(maxsize=4)
+def _chart(grid: GridMap, reach: float) -> Charted:
+    # The table holds for a whole cell: a vessel in its corner sees half a diagonal farther.
+    table: Any = obstacle_table(grid.blocked, None, reach / grid.cell_size + sqrt(0.5))
+    width: Any = np.int32(grid.shape[1])
+    cell_size: Any = np.float32(grid.cell_size)
+    return Charted(table=table.reshape(-1, table.shape[-1]), width=width, cell_size=cell_size)
+
+
+def _sensed_at(scene: Scene) -> np.ndarray:
+    """Centres [B, 2, K] that each vessel senses at its start."""
+    chart = scene.chart
+    assert chart is not None
+    cell = np.floor(scene.start[:, :2] / chart.cell_size).astype(np.int64)
+    blocked = chart.table[cell[:, 1] * chart.width + cell[:, 0]]
+    row, column = np.divmod(blocked, chart.width)
+    centres = (np.stack([column, row], axis=1) + 0.5) * chart.cell_size
+    return np.where(blocked[:, None] < 0, FAR, centres)

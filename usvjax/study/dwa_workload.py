@@ -1,0 +1,168 @@
+"""Studies of kind "dwa": closed-loop episodes of the dynamic window approach.
+
+`[maps]` says where episodes take place (`source = "lattice"`, "random" or "grid"), `[params]`
+holds `usvkernels.dwa.DwaParams` and may start from a `preset`, `[static]` holds
+`usvkernels.dwa.DwaStatic`. The study's `methods` take the place of `static.method`.
+"""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, fields, replace
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.maps import GridMap, find_map
+from usvjax.navigate import navigate_dwa
+from usvjax.presets import check_dwa, fit_window, preset
+from usvjax.study.fields import check_keys, did_you_mean, read_table, read_values
+from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
+from usvjax.study.spec import Condition, StudySpec
+from usvjax.study.waters import GridMaps, Water
+from usvjax.study.workload import Metric, Prepared
+from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.status import Status
+
+DEFAULT_PRESET = "tan2022"
+
+_SOURCES: dict[str, type[LatticeMaps] | type[RandomMaps] | type[GridMaps]] = {
+    "lattice": LatticeMaps,
+    "random": RandomMaps,
+    "grid": GridMaps,
+}
+
+
+@dataclass(frozen=True)
+class DwaCondition:
+    """One condition of a DWA study.
+
+    Attributes:
+        source: draws the scenarios.
+        params, static: of the method; `static.method` is set per run.
+    """
+
+    source: Source
+    params: DwaParams
+    static: DwaStatic
+
+
+class DwaWorkload:
+    """Run DWA episodes for a study; see `usvjax.study.workload.Workload`."""
+
+    sections: tuple[str, ...] = ("maps", "params", "static")
+    methods: tuple[str, ...] = ("traditional", "improved")
+    metrics: tuple[Metric, ...] = (
+        Metric("time", "s", "Time"),
+        Metric("path_length", "m", "Path length"),
+        Metric("mean_speed", "m/s", "Mean speed"),
+        Metric("min_clearance", "m", "Min clearance"),
+        Metric("steps", "", "Steps", integer=True, summarised=False),
+    )
+    statuses: type[IntEnum] = Status
+    success: IntEnum = Status.REACHED
+
+    def prepare(
+        self, settings: Mapping[str, Mapping[str, Any]], folder: Path, where: str
+    ) -> Prepared:
+        """Check one condition; see `Workload.prepare`."""
+        params, static = _read_method(settings["params"], settings["static"], where)
+        place = f"{where}: [maps]"
+        name, options, source, inputs = _read_maps(settings["maps"], folder, place)
+        source.check(float(params.radius), place)
+        in_force = {
+            "maps": {"source": name, **asdict(options)},
+            "params": asdict(params),
+            "static": {k: v for k, v in asdict(static).items() if k != "method"},
+        }
+        return Prepared(in_force, inputs, DwaCondition(source, params, static))
+
+    def run(
+        self, spec: StudySpec, condition: Condition, method: str, jobs: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """Run episodes; see `Workload.run`."""
+        given: DwaCondition = condition.payload
+        scenarios = given.source.draw(spec.seed, jobs, float(given.params.radius))
+        result = navigate_dwa(
+            scenarios.obstacles,
+            scenarios.starts,
+            scenarios.goals,
+            valid=scenarios.valid,
+            params=given.params,
+            static=replace(given.static, method=method),
+        )
+        columns = {metric.name: getattr(result, metric.name) for metric in self.metrics}
+        return {"status": result.status, **columns}
+
+
+def _read_method(
+    params_table: Mapping[str, Any], static_table: Mapping[str, Any], where: str
+) -> tuple[DwaParams, DwaStatic]:
+    """Read `[params]` and `[static]`; candidates are counted to fit unless given."""
+    in_params, in_static = f"{where}: [params]", f"{where}: [static]"
+    names = [f.name for f in fields(DwaParams)]
+    check_keys(params_table, [*names, "preset"], in_params)
+    name = params_table.get("preset", DEFAULT_PRESET)
+    if not isinstance(name, str):
+        raise BadTypeError(f"{in_params}: 'preset' must be a string, got {name!r}")
+    numbers = {k: v for k, v in params_table.items() if k != "preset"}
+    if "method" in static_table:
+        raise BadInputError(f"{in_static}: list methods in 'methods', not in 'method'")
+    with _saying_where(where):
+        base = preset(name)
+        params = replace(base.params, **read_values(DwaParams, numbers, in_params))
+        static = replace(base.static, **read_values(DwaStatic, static_table, in_static))
+        fitted = fit_window(params, static)
+        sizes = {k: getattr(fitted, k) for k in ("n_v", "n_w") if k not in static_table}
+        static = replace(static, **sizes)
+        check_dwa(params, static)
+    return params, static
+
+
+def _read_maps(
+    table: Mapping[str, Any], folder: Path, where: str
+) -> tuple[str, LatticeMaps | RandomMaps | GridMaps, Source, dict[str, str]]:
+    """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
+    name = table.get("source", "lattice")
+    if not isinstance(name, str):
+        raise BadTypeError(f"{where}: 'source' must be a string, got {name!r}")
+    if name not in _SOURCES:
+        raise BadInputError(f"{where}: unknown source {name!r}; {did_you_mean(name, _SOURCES)}")
+    rest = {k: v for k, v in table.items() if k != "source"}
+    options = read_table(_SOURCES[name], rest, where)
+    if not isinstance(options, GridMaps):
+        return name, options, options, {}
+    if options.refine < 1:
+        raise BadInputError(f"{where}: 'refine' must be at least 1, got {options.refine}")
+    beside = folder / options.map
+    with _saying_where(where):
+        grid = find_map(
+            str(beside) if beside.is_file() else options.map, cell_size=options.cell_size
+        )
+        grid = grid.refined(options.refine)
+    return name, options, Water(grid, options), {options.map: _digest(grid)}
+
+
+def _digest(grid: GridMap) -> str:
+    """SHA-256 of what a map's cells mean, whatever file they came from."""
+    header = f"{grid.shape} {grid.cell_size!r} {grid.origin!r} ".encode()
+    return hashlib.sha256(header + grid.blocked.tobytes()).hexdigest()
+
+
+@contextmanager
+def _saying_where(where: str) -> Iterator[None]:
+    """Put the study file's name in front of messages that do not know it."""
+    try:
+        yield
+    except BadInputError as error:
+        raise BadInputError(_prefixed(where, error)) from error
+    except BadTypeError as error:
+        raise BadTypeError(_prefixed(where, error)) from error
+
+
+def _prefixed(where: str, error: Exception) -> str:
+    text = str(error)
+    return text if text.startswith(where) else f"{where}: {text}"

@@ -1,0 +1,144 @@
+"""Strict reading of TOML tables into dataclasses.
+
+A misspelt key or a value of the wrong type is a user's mistake that must not become a
+default silently, so every table of a study goes through `read_table`.
+"""
+
+import dataclasses
+import difflib
+import types
+import typing
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
+
+from usvjax.errors import BadInputError, BadTypeError
+
+T = TypeVar("T")
+
+_TOML_NAMES = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
+
+
+def did_you_mean(given: str, valid: Iterable[str]) -> str:
+    """Say which valid name is nearest to `given`, or list them when none is near.
+
+    Args:
+        given: what the user wrote.
+        valid: the names that would have been right.
+
+    Returns:
+        The second half of a sentence, such as "did you mean 'radius'?".
+    """
+    names = sorted(valid)
+    near = difflib.get_close_matches(given, names, n=1, cutoff=0.5)
+    if near:
+        return f"did you mean {near[0]!r}?"
+    return f"valid: {', '.join(names)}" if names else "no name is valid here"
+
+
+def check_keys(table: Mapping[str, Any], valid: Iterable[str], where: str) -> None:
+    """Refuse keys that nobody reads.
+
+    Args:
+        table: a TOML table.
+        valid: the keys that are read.
+        where: the file and table, for the message.
+
+    Raises:
+        BadInputError: on an unknown key, naming the nearest valid one.
+    """
+    names = list(valid)
+    for key in table:
+        if key not in names:
+            raise BadInputError(f"{where}: unknown key {key!r}; {did_you_mean(key, names)}")
+
+
+def read_table(cls: type[T], table: Mapping[str, Any], where: str) -> T:
+    """Build the dataclass `cls` from a TOML table, checking every key and type.
+
+    Args:
+        cls: a dataclass whose annotations say which types are accepted.
+        table: a TOML table.
+        where: the file and table, for the messages.
+
+    Returns:
+        An instance of `cls`; missing keys take its defaults.
+
+    Raises:
+        BadInputError: on an unknown key or a missing required one.
+        BadTypeError: on a value of the wrong type.
+    """
+    fields = {f.name: f for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    check_keys(table, fields, where)
+    for name, field in fields.items():
+        required = (
+            field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+        )
+        if required and name not in table:
+            raise BadInputError(f"{where}: the key {name!r} is missing")
+    return cls(**read_values(cls, table, where))
+
+
+def read_values(cls: type, table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Convert the values of a TOML table to the types that the fields of `cls` declare.
+
+    Args:
+        cls: a dataclass.
+        table: a TOML table whose keys are all fields of `cls`.
+        where: the file and table, for the messages.
+
+    Returns:
+        The converted values: numbers for `float` fields become floats, lists for
+        `tuple` fields become tuples.
+
+    Raises:
+        BadInputError: on an unknown key.
+        BadTypeError: on a value of the wrong type.
+    """
+    check_keys(table, [f.name for f in dataclasses.fields(cls)], where)
+    hints = typing.get_type_hints(cls)
+    return {
+        name: _convert(value, hints[name], f"{where}: {name!r}") for name, value in table.items()
+    }
+
+
+def _convert(value: Any, hint: Any, what: str) -> Any:
+    """Return `value` as `hint` wants it, or raise BadTypeError."""
+    for option in _options(hint):
+        if option is float and _is_number(value):
+            return float(value)
+        if option in (int, str, bool) and type(value) is option:
+            return value
+        if typing.get_origin(option) is tuple and isinstance(value, list):
+            return _convert_list(value, typing.get_args(option), what)
+    raise BadTypeError(f"{what} must be {_describe(hint)}, got {value!r}")
+
+
+def _convert_list(values: list[Any], items: tuple[Any, ...], what: str) -> tuple[Any, ...]:
+    if len(items) == 2 and items[1] is Ellipsis:
+        items = (items[0],) * len(values)
+    if len(values) != len(items):
+        raise BadTypeError(f"{what} must be a list of {len(items)} values, got {values!r}")
+    return tuple(
+        _convert(v, hint, f"{what}[{i}]")
+        for i, (v, hint) in enumerate(zip(values, items, strict=True))
+    )
+
+
+def _options(hint: Any) -> tuple[Any, ...]:
+    if typing.get_origin(hint) in (typing.Union, types.UnionType):
+        return typing.get_args(hint)
+    return (hint,)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _describe(hint: Any) -> str:
+    names = []
+    for option in _options(hint):
+        if option in _TOML_NAMES:
+            names.append(_TOML_NAMES[option])
+        elif typing.get_origin(option) is tuple:
+            names.append(f"a list, each {_describe(typing.get_args(option)[0])}")
+    return " or ".join(names)

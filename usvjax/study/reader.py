@@ -1,0 +1,93 @@
+"""Reading a run back, for plots and for one's own analysis."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+
+from usvjax.errors import BadInputError
+from usvjax.study.store import read_manifest
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run directory, opened for reading; a run still under way may be read too.
+
+    Attributes:
+        path: the directory.
+        manifest: the study, its hash, versions, device and seed.
+    """
+
+    path: Path
+    manifest: dict[str, Any]
+
+    @property
+    def name(self) -> str:
+        """Name of the study."""
+        return str(self.manifest["study"]["name"])
+
+    @property
+    def methods(self) -> list[str]:
+        """Methods in the order of the study."""
+        return list(self.manifest["study"]["methods"])
+
+    @property
+    def labels(self) -> dict[int, str]:
+        """Label of each condition by its index."""
+        return {i: str(c["label"]) for i, c in enumerate(self.manifest["study"]["conditions"])}
+
+    @property
+    def settings(self) -> list[dict[str, dict[str, Any]]]:
+        """Every setting in force, by section and name, per condition.
+
+        JSON values: an infinite number is the string "inf".
+        """
+        return [c["settings"] for c in self.manifest["study"]["conditions"]]
+
+    @property
+    def varied(self) -> list[dict[str, Any]]:
+        """What distinguishes each condition, by dotted key such as "params.radius"."""
+        return [c["varied"] for c in self.manifest["study"]["conditions"]]
+
+    def table(self) -> pl.DataFrame:
+        """Read all rows.
+
+        Returns:
+            One row per condition, job and method: "condition", "job" (int32), "method" (str),
+            "status" (int32) and the metrics of the study's kind.
+
+        Raises:
+            BadInputError: nothing has been written yet.
+        """
+        files = sorted((self.path / "shards").glob("c*.parquet"))
+        if not files:
+            raise BadInputError(f"{self.path} holds no episodes yet")
+        return pl.concat([pl.read_parquet(file) for file in files])
+
+    def summary(self) -> dict[str, Any]:
+        """Read summary.json; see `usvjax.study.summary.summarise`.
+
+        Raises:
+            BadInputError: the run is not finished, or the file is damaged.
+        """
+        try:
+            found: dict[str, Any] = json.loads((self.path / "summary.json").read_bytes())
+        except OSError as error:
+            raise BadInputError(f"{self.path} has no summary; is the run finished?") from error
+        except ValueError as error:
+            raise BadInputError(f"{self.path / 'summary.json'} is damaged: {error}") from error
+        return found
+
+
+def load_run(path: str | Path) -> Run:
+    """Open a run directory for reading.
+
+    Args:
+        path: the directory that `usvjax study` wrote.
+
+    Raises:
+        BadInputError: it is not one.
+    """
+    return Run(Path(path), read_manifest(Path(path)))

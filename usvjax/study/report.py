@@ -1,0 +1,326 @@
+"""The summary for people: Markdown for a file, rich tables for a terminal."""
+
+import math
+from typing import Any
+
+from rich import box
+from rich.console import Group
+from rich.table import Table
+from rich.text import Text
+
+_AVERAGES = {"mean": "Mean", "median": "Median", "iqm": "Interquartile mean"}
+
+
+def markdown(summary: dict[str, Any]) -> str:
+    """Write a summary as Markdown.
+
+    Args:
+        summary: from `usvjax.study.summary.summarise`.
+
+    Returns:
+        The text, ending in a newline.
+    """
+    study = summary["study"]
+    percent = f"{100 * study['confidence']:g} %"
+    parts = [
+        f"# {study['name']}",
+        f"Study of kind {study['kind']}, seed {study['seed']}, spec {study['hash'][:12]}.",
+        f"## How episodes ended\n\nShare of episodes in %, with its {percent} Wilson interval.",
+        _markdown_table(*_outcomes(summary)),
+        "## Averages over each method's own successes\n\nThe methods succeed on different "
+        "episodes, so these must not be subtracted; see the next table.",
+        _markdown_table(*_own_averages(summary)),
+        f"## Differences to {study['baseline']}, episode by episode\n\nSuccess over all episodes; "
+        "everything else over the n episodes where both succeed.",
+        _markdown_table(*_differences(summary)),
+        "## How to read this",
+        "\n".join(f"- {note}" for note in _notes(summary)),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def terminal(summary: dict[str, Any]) -> Group:
+    """Lay a summary out for a terminal of 100 columns.
+
+    Args:
+        summary: from `usvjax.study.summary.summarise`.
+
+    Returns:
+        Something rich can print.
+    """
+    study = summary["study"]
+    percent = f"{100 * study['confidence']:g} %"
+    parts = [
+        _rich_table(
+            f"How episodes ended (% of episodes, {percent} interval)",
+            *_short_outcomes(summary),
+        ),
+    ]
+    if len(study["methods"]) > 1:
+        title = f"Difference to {study['baseline']}, over the n episodes where both succeed"
+        parts.append(_rich_table(title, *_short_differences(summary)))
+    stopped = _stopping_note(summary)
+    return Group(*parts, *([Text(stopped)] if stopped else []))
+
+
+def number(value: float | None) -> str:
+    """Four significant digits without an exponent; "-" where there is no figure."""
+    if value is None:
+        return "-"
+    if value == 0:
+        return "0"
+    digits = 3 - math.floor(math.log10(abs(value)))
+    return f"{value:.{min(max(digits, 0), 8)}f}"
+
+
+def p_value(p: float | None) -> str:
+    """Two significant digits, or a bound where it is too small to matter."""
+    if p is None:
+        return "-"
+    return "<1e-16" if p < 1e-16 else f"{p:.2g}"
+
+
+def _interval(figure: dict[str, Any], scale: float = 1.0, sign: bool = False) -> str:
+    """Write a figure with its interval, all three to the decimals that the interval earns."""
+    value, low, high = (
+        None if figure[k] is None else scale * figure[k] for k in ("value", "low", "high")
+    )
+    if value is None:
+        return "-"
+    plus = "+" if sign else ""
+    if low is None or high is None:
+        return f"{plus}{number(value)}" if value > 0 else number(value)
+    spread = high - low
+    digits = min(max(1 - math.floor(math.log10(spread)), 0), 8) if spread > 0 else 4
+    if value != 0:
+        # An interval far narrower than the value earns no more than five significant digits.
+        digits = min(digits, max(4 - math.floor(math.log10(abs(value))), 0))
+    return f"{value:{plus}.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+
+
+def _percent(rate: float | None) -> str:
+    return "-" if rate is None else f"{100 * rate:.2f}"
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ").capitalize()
+
+
+def _label(metric: dict[str, Any]) -> str:
+    return f"{metric['label']} ({metric['unit']})" if metric["unit"] else str(metric["label"])
+
+
+def _endings(summary: dict[str, Any]) -> list[str]:
+    """Names of the statuses, success first."""
+    names = list(summary["conditions"][0]["methods"][0]["statuses"])
+    return sorted(names, key=lambda name: name != summary["study"]["success"])
+
+
+def _outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    endings = _endings(summary)
+    rows = [
+        [
+            condition["label"],
+            method["method"],
+            str(method["episodes"]),
+            *(
+                f"{_interval(method['statuses'][e], 100.0)} ({method['statuses'][e]['count']})"
+                for e in endings
+            ),
+        ]
+        for condition in summary["conditions"]
+        for method in condition["methods"]
+    ]
+    return ["Condition", "Method", "Episodes", *map(_words, endings)], rows
+
+
+def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    success, *failures = _endings(summary)
+    rows = []
+    for condition in summary["conditions"]:
+        for place, method in enumerate(condition["methods"]):
+            rates = method["statuses"]
+            rows.append(
+                [
+                    condition["label"] if place == 0 else "",
+                    method["method"],
+                    f"{method['episodes']:,}",
+                    _interval(rates[success], 100.0),
+                    *(_percent(rates[name]["value"]) for name in failures),
+                ]
+            )
+        rows.append([])
+    return ["Condition", "Method", "Episodes", *map(_words, (success, *failures))], rows
+
+
+def _own_averages(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    rows = [
+        [
+            condition["label"],
+            method["method"],
+            _label(metric),
+            str(method["metrics"][metric["name"]]["n"]),
+            *(_interval(method["metrics"][metric["name"]][key]) for key in _AVERAGES),
+        ]
+        for condition in summary["conditions"]
+        for method in condition["methods"]
+        for metric in summary["study"]["metrics"]
+    ]
+    return ["Condition", "Method", "Figure", "n", *_AVERAGES.values()], rows
+
+
+def _differences(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    header = ["Condition", "Method", "Figure", "n", "Baseline mean", "Method mean"]
+    header += ["Mean difference", "Change", "p (t)", "p (Wilcoxon)", "p (McNemar)"]
+    rows = []
+    for condition in summary["conditions"]:
+        for pair in condition["pairs"]:
+            start = [condition["label"], pair["method"]]
+            success = pair["success"]
+            rates = _success_rates(success)
+            rows.append(
+                [
+                    *start,
+                    "Success (%)",
+                    str(success["n"]),
+                    *map(_percent, rates),
+                    _interval(success["difference"], 100.0, sign=True),
+                    "-",
+                    "-",
+                    "-",
+                    p_value(success["p_mcnemar_holm"]),
+                ]
+            )
+            for metric in summary["study"]["metrics"]:
+                found = pair["metrics"][metric["name"]]
+                gap = found["difference"]
+                rows.append(
+                    [
+                        *start,
+                        _label(metric),
+                        str(found["n"]),
+                        _interval(found["baseline"]["mean"]),
+                        _interval(found["method"]["mean"]),
+                        _interval(gap, sign=True),
+                        _change(gap["relative"]),
+                        p_value(gap["p_t_holm"]),
+                        p_value(gap["p_wilcoxon_holm"]),
+                        "-",
+                    ]
+                )
+    return header, rows
+
+
+def _short_differences(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
+    rows = []
+    for condition in summary["conditions"]:
+        for pair in condition["pairs"]:
+            success = pair["success"]
+            body = [
+                [
+                    "Success (%)",
+                    *map(_percent, _success_rates(success)),
+                    _interval(success["difference"], 100.0, sign=True),
+                    "",
+                    p_value(success["p_mcnemar_holm"]),
+                ]
+            ]
+            for metric in summary["study"]["metrics"]:
+                found = pair["metrics"][metric["name"]]
+                gap = found["difference"]
+                body.append(
+                    [
+                        _label(metric),
+                        number(found["baseline"]["mean"]["value"]),
+                        number(found["method"]["mean"]["value"]),
+                        _interval(gap, sign=True),
+                        _change(gap["relative"]),
+                        p_value(gap["p_t_holm"]),
+                    ]
+                )
+            # Non-breaking spaces: only the label of the condition may wrap.
+            count = f"\u00a0 n\u00a0=\u00a0{success['both']:,}"
+            margin = [condition["label"], f"\u00a0 {pair['method']}", count]
+            margin += [""] * (len(body) - len(margin))
+            rows += [[edge, *row] for edge, row in zip(margin, body, strict=True)]
+            rows.append([])
+    header = ["Condition", "Figure", "Baseline", "Method", "Difference", "Change", "p (Holm)"]
+    return header, rows
+
+
+def _success_rates(success: dict[str, Any]) -> tuple[float | None, float | None]:
+    """Success rates of baseline and method from the paired counts."""
+    n = success["n"]
+    if not n:
+        return None, None
+    both = success["both"]
+    return (both + success["baseline_only"]) / n, (both + success["method_only"]) / n
+
+
+def _change(relative: float | None) -> str:
+    return "-" if relative is None else f"{100 * relative:+.1f} %"
+
+
+def _stopping_note(summary: dict[str, Any]) -> str:
+    study = summary["study"]
+    if study["until"] is None:
+        return ""
+    wide = [c["label"] for c in summary["conditions"] if not c["narrow_enough"]]
+    text = f"Success rates are known to within {study['until']:g} (interval width)"
+    if not wide:
+        return f"{text} everywhere."
+    return f"{text} except, after {study['looks'][-1]:,} episodes, for: {'; '.join(wide)}."
+
+
+def _notes(summary: dict[str, Any]) -> list[str]:
+    study, families = summary["study"], summary["study"]["families"]
+    looks = len(study["looks"])
+    notes = [
+        "An episode is one map with one start and goal; the methods meet the same ones.",
+        f"Intervals: shares Wilson; averages percentile bootstrap ({study['resamples']} "
+        "resamples); mean differences Student's t; difference of success rates Agresti-Min. "
+        '"-": the episodes do not determine this figure.',
+        "p-values: paired t-test, Wilcoxon's signed-rank test and McNemar's exact test, each "
+        "Holm-corrected over all tests of its kind in this study ("
+        + ", ".join(
+            f"{families.get(k, 0)} {name}"
+            for k, name in (("p_t", "t"), ("p_wilcoxon", "Wilcoxon"), ("p_mcnemar", "McNemar"))
+        )
+        + ").",
+    ]
+    if looks > 1:
+        notes.append(
+            f"Episodes were looked at after {', '.join(map(str, study['looks']))}. So that "
+            f"stopping early does not spoil {100 * study['confidence']:g} % coverage, each "
+            f"interval is computed at {100 * study['level']:.4g} % and each p-value multiplied "
+            f"by {looks}. {_stopping_note(summary)}"
+        )
+    return notes
+
+
+def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in lines
+    )
+
+
+def _rich_table(title: str, header: list[str], rows: list[list[str]]) -> Table:
+    """Lay out rows; the first column may wrap, an empty row separates conditions."""
+    table = Table(
+        title=title,
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        collapse_padding=True,
+    )
+    for index, name in enumerate(header):
+        table.add_column(
+            name,
+            justify="left" if index < 2 else "right",
+            no_wrap=index > 0,
+            min_width=16 if index == 0 else None,
+        )
+    for row in rows[:-1]:
+        table.add_row(*map(Text, row))
+    return table

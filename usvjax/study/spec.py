@@ -1,0 +1,340 @@
+"""What a study is: the TOML file, checked and resolved into conditions.
+
+A study file has top-level keys (`StudyFile`), one table per section of its kind (for "dwa":
+`[maps]`, `[params]`, `[static]`), and what varies: `[[conditions]]` lists combinations one by
+one, `[axes]` lists values whose cross product is taken. Both may be given; then every
+listed combination is crossed with the axes.
+"""
+
+import hashlib
+import itertools
+import json
+import math
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.study.fields import check_keys, did_you_mean, read_table
+from usvjax.study.workload import Workload, get_workload
+
+MAX_EPISODES = 2**31 - 1
+MAX_SEED = 2**32 - 1
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+
+
+@dataclass(frozen=True)
+class StudyFile:
+    """Top-level keys of a study file.
+
+    Attributes:
+        name: also the name of the run directory.
+        kind: what an episode is; "dwa".
+        seed: one seed for the whole study.
+        episodes: per condition and method; with `until`, at most so many.
+        shard: episodes per shard, the unit of work and of resuming.
+        methods: what is compared; all that the kind offers when empty.
+        baseline: the method that paired differences are taken against; the first when None.
+        until: stop a condition once the interval of every method's success rate is at most
+            this wide (a share, 0.01 is one percentage point); None runs all episodes.
+        confidence: coverage of every interval.
+    """
+
+    name: str
+    episodes: int
+    kind: str = "dwa"
+    seed: int = 0
+    shard: int = 2000
+    methods: tuple[str, ...] = ()
+    baseline: str | None = None
+    until: float | None = None
+    confidence: float = 0.95
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One setting of everything that varies.
+
+    Attributes:
+        index: place in the study, from 0.
+        label: short words for tables and figures.
+        varied: what distinguishes it, by dotted key such as "params.radius".
+        settings: every setting in force, by section, defaults filled in.
+        inputs: SHA-256 of each file that it reads.
+        payload: what the workload needs to run it.
+    """
+
+    index: int
+    label: str
+    varied: dict[str, Any]
+    settings: dict[str, dict[str, Any]]
+    inputs: dict[str, str]
+    payload: Any = field(repr=False, compare=False)
+
+
+@dataclass(frozen=True)
+class StudySpec:
+    """A study, checked and resolved; every field decides the results.
+
+    Attributes:
+        name, kind, seed, episodes, shard, until, confidence: see `StudyFile`.
+        methods: what is compared, the baseline among them.
+        baseline: what paired differences are taken against.
+        conditions: the settings to run, in order.
+        workload: runs the episodes.
+    """
+
+    name: str
+    kind: str
+    seed: int
+    episodes: int
+    shard: int
+    methods: tuple[str, ...]
+    baseline: str
+    until: float | None
+    confidence: float
+    conditions: tuple[Condition, ...]
+    workload: Workload = field(repr=False, compare=False)
+
+    def canonical(self) -> dict[str, Any]:
+        """Everything that decides the results, as JSON-able values with defaults filled in."""
+        return {
+            "name": self.name,
+            "kind": self.kind,
+            "seed": self.seed,
+            "episodes": self.episodes,
+            "shard": self.shard,
+            "methods": list(self.methods),
+            "baseline": self.baseline,
+            "until": self.until,
+            "confidence": self.confidence,
+            "conditions": [
+                {
+                    "label": c.label,
+                    "varied": plain(c.varied),
+                    "settings": plain(c.settings),
+                    "inputs": c.inputs,
+                }
+                for c in self.conditions
+            ],
+        }
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of the canonical JSON, 64 hexadecimal digits."""
+        text = json.dumps(self.canonical(), sort_keys=True, allow_nan=False)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def load_spec(path: str | Path) -> StudySpec:
+    """Read a study file.
+
+    Args:
+        path: a TOML file; relative paths inside it are relative to its folder.
+
+    Returns:
+        The study, ready to run.
+
+    Raises:
+        BadInputError: the file cannot be read, or a key or value cannot be used.
+        BadTypeError: a value has the wrong type.
+    """
+    path = Path(path)
+    try:
+        tables = tomllib.loads(path.read_bytes().decode())
+    except OSError as error:
+        raise BadInputError(f"cannot read the study {path}: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BadInputError(f"{path} is not valid TOML: {error}") from error
+    return parse_spec(tables, folder=path.parent, where=str(path))
+
+
+def parse_spec(
+    tables: Mapping[str, Any], *, folder: Path | None = None, where: str = "the study"
+) -> StudySpec:
+    """Check a study given as nested dictionaries, as `tomllib` returns them.
+
+    Args:
+        tables: the content of a study file.
+        folder: what relative paths are relative to; the working directory when None.
+        where: what to call the study in messages.
+
+    Returns:
+        The study, ready to run.
+
+    Raises:
+        BadInputError: an unknown key (the nearest valid one is named) or an unusable value.
+        BadTypeError: a value has the wrong type.
+    """
+    kind = tables.get("kind", StudyFile.kind)
+    workload = get_workload(kind if isinstance(kind, str) else str(kind), where)
+    special = (*workload.sections, "axes", "conditions")
+    top_names = list(StudyFile.__dataclass_fields__)
+    check_keys(tables, [*top_names, *special], where)
+    top = read_table(StudyFile, {k: v for k, v in tables.items() if k in top_names}, where)
+    methods, baseline = _check_top(top, workload, where)
+    sections = {name: _table(tables, name, where) for name in workload.sections}
+    variants = list(_variants(tables, workload.sections, where))
+    names = _short_names({key for _, varied, _ in variants for key in varied})
+    conditions = []
+    for index, (title, varied, crossed) in enumerate(variants):
+        prepared = workload.prepare(_overridden(sections, varied), folder or Path(), where)
+        words = [title, _label(crossed, names)] if title else [_label(varied, names)]
+        label = ", ".join(word for word in words if word) or top.name
+        conditions.append(
+            Condition(index, label, varied, prepared.settings, prepared.inputs, prepared.payload)
+        )
+    return StudySpec(
+        name=top.name,
+        kind=top.kind,
+        seed=top.seed,
+        episodes=top.episodes,
+        shard=top.shard,
+        methods=methods,
+        baseline=baseline,
+        until=top.until,
+        confidence=top.confidence,
+        conditions=tuple(conditions),
+        workload=workload,
+    )
+
+
+def plain(value: Any) -> Any:
+    """Make settings JSON-able: tuples become lists, infinities and NaN become strings."""
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return value
+
+
+def _check_top(top: StudyFile, workload: Workload, where: str) -> tuple[tuple[str, ...], str]:
+    """Check values of top-level keys; return the methods and the baseline."""
+    if not _NAME.fullmatch(top.name):
+        raise BadInputError(
+            f"{where}: 'name' must be letters, digits, '.', '_' or '-' (it names a folder), "
+            f"got {top.name!r}"
+        )
+    _check_range(where, "episodes", top.episodes, 1, MAX_EPISODES)
+    _check_range(where, "shard", top.shard, 1, MAX_EPISODES)
+    _check_range(where, "seed", top.seed, 0, MAX_SEED)
+    for key, value in (("until", top.until), ("confidence", top.confidence)):
+        if value is not None and not 0.0 < value < 1.0:
+            raise BadInputError(f"{where}: {key!r} must lie between 0 and 1, got {value!r}")
+    methods = top.methods or workload.methods
+    for method in methods:
+        if method not in workload.methods:
+            hint = did_you_mean(method, workload.methods)
+            raise BadInputError(f"{where}: unknown method {method!r} in 'methods'; {hint}")
+    if len(set(methods)) != len(methods):
+        raise BadInputError(f"{where}: 'methods' names a method twice: {list(methods)!r}")
+    baseline = methods[0] if top.baseline is None else top.baseline
+    if baseline not in methods:
+        hint = did_you_mean(baseline, methods)
+        raise BadInputError(f"{where}: 'baseline' is {baseline!r}, not one of 'methods'; {hint}")
+    return methods, baseline
+
+
+def _check_range(where: str, key: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high:
+        raise BadInputError(f"{where}: {key!r} must lie between {low} and {high}, got {value}")
+
+
+def _table(tables: Mapping[str, Any], name: str, where: str) -> Mapping[str, Any]:
+    table = tables.get(name, {})
+    if not isinstance(table, Mapping):
+        raise BadTypeError(f"{where}: {name!r} must be a table, got {table!r}")
+    return table
+
+
+def _variants(
+    tables: Mapping[str, Any], sections: tuple[str, ...], where: str
+) -> Iterator[tuple[str, dict[str, Any], dict[str, Any]]]:
+    """Yield (label or "", all dotted overrides, those from the axes) of every condition."""
+    axes = _flatten(_table(tables, "axes", where))
+    _check_dotted(axes, sections, f"{where}: [axes]")
+    for key, values in axes.items():
+        if not isinstance(values, list) or not values:
+            raise BadTypeError(f"{where}: [axes]: {key!r} must be a list of values, got {values!r}")
+    for label, listed in _listed(tables, sections, where):
+        both = sorted(set(listed) & set(axes))
+        if both:
+            raise BadInputError(f"{where}: {both[0]!r} is in both [[conditions]] and [axes]")
+        for values in itertools.product(*axes.values()):
+            crossed = dict(zip(axes, values, strict=True))
+            yield label, {**listed, **crossed}, crossed
+
+
+def _listed(
+    tables: Mapping[str, Any], sections: tuple[str, ...], where: str
+) -> list[tuple[str, dict[str, Any]]]:
+    """Read `[[conditions]]`; one empty condition when there is none."""
+    listed = tables.get("conditions", [{}])
+    if not isinstance(listed, list) or not listed or not isinstance(listed[0], Mapping):
+        raise BadTypeError(f"{where}: 'conditions' must be [[conditions]] tables, got {listed!r}")
+    result = []
+    for number, table in enumerate(listed, start=1):
+        place = f"{where}: [[conditions]] {number}"
+        flat = _flatten(table)
+        label = flat.pop("label", "")
+        if not isinstance(label, str):
+            raise BadTypeError(f"{place}: 'label' must be a string, got {label!r}")
+        _check_dotted(flat, sections, place)
+        result.append((label, flat))
+    return result
+
+
+def _flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Turn nested tables into dotted keys; `"a.b" = 1` and `a.b = 1` become the same."""
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            flat.update(_flatten(value, f"{prefix}{key}."))
+        else:
+            flat[f"{prefix}{key}"] = value
+    return flat
+
+
+def _check_dotted(flat: Mapping[str, Any], sections: tuple[str, ...], where: str) -> None:
+    for key in flat:
+        section, dot, rest = key.partition(".")
+        if section not in sections or not dot or not rest or "." in rest:
+            hint = did_you_mean(section, sections)
+            raise BadInputError(
+                f"{where}: {key!r} must be section.key, such as {sections[0]}.{rest or key}; {hint}"
+            )
+
+
+def _overridden(
+    sections: Mapping[str, Mapping[str, Any]], varied: Mapping[str, Any]
+) -> dict[str, dict[str, Any]]:
+    settings = {name: dict(table) for name, table in sections.items()}
+    for dotted, value in varied.items():
+        section, _, key = dotted.partition(".")
+        settings[section][key] = value
+    return settings
+
+
+def _short_names(keys: set[str]) -> dict[str, str]:
+    """Name each dotted key by its last word, in full where two would clash."""
+    last = [key.partition(".")[2] for key in keys]
+    return {
+        key: short if last.count(short) == 1 else key
+        for key in keys
+        for short in [key.partition(".")[2]]
+    }
+
+
+def _label(varied: Mapping[str, Any], names: Mapping[str, str]) -> str:
+    return ", ".join(f"{names[key]} {_show(value)}" for key, value in varied.items())
+
+
+def _show(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,239 @@
+"""What a study found: rates, averages and paired differences, each with how much it rests on.
+
+The summary is computed from the Parquet shards alone, one condition at a time, so a resumed
+run ends with the same bytes as an uninterrupted one.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import polars as pl
+
+from usvjax.study.looks import width
+from usvjax.study.runner import Progress, unit_jobs
+from usvjax.study.spec import Condition, StudySpec, plain
+from usvjax.study.statistics import (
+    RESAMPLES,
+    Averages,
+    averages,
+    holm,
+    paired_difference,
+    paired_rates,
+    wilson,
+)
+from usvjax.study.store import RunDirectory, Unit
+
+FORMAT = 1
+"""Version of the layout of summary.json."""
+
+_DIGITS = 10
+
+
+def summarise(spec: StudySpec, run: RunDirectory, progress: Progress) -> dict[str, Any]:
+    """Summarise a finished run.
+
+    Args:
+        spec: the study.
+        run: its run directory.
+        progress: how many episodes each condition took.
+
+    Returns:
+        JSON-able: "study" (what was run, levels, looks) and "conditions", each with
+        "methods" (counts, rates, averages over each method's own successes) and "pairs"
+        (against the baseline, over the episodes where both succeed). Missing figures are None.
+    """
+    conditions = [_condition(spec, run, condition, progress) for condition in spec.conditions]
+    _correct(conditions, len(progress.looks))
+    study = {
+        "name": spec.name,
+        "kind": spec.kind,
+        "hash": spec.hash,
+        "seed": spec.seed,
+        "baseline": spec.baseline,
+        "methods": list(spec.methods),
+        "success": spec.workload.success.name,
+        "confidence": spec.confidence,
+        "level": progress.level,
+        "looks": list(progress.looks),
+        "until": spec.until,
+        "resamples": RESAMPLES,
+        "metrics": [asdict(m) for m in spec.workload.metrics if m.summarised],
+        "families": _families(conditions),
+    }
+    rounded: dict[str, Any] = _rounded({"format": FORMAT, "study": study, "conditions": conditions})
+    return rounded
+
+
+def _condition(
+    spec: StudySpec, run: RunDirectory, condition: Condition, progress: Progress
+) -> dict[str, Any]:
+    episodes = progress.episodes[condition.index]
+    table = _rows(spec, run, condition.index, episodes)
+    columns = {
+        method: table.filter(pl.col("method") == method).sort("job") for method in spec.methods
+    }
+    methods = [_method(spec, condition, m, columns[m], progress) for m in spec.methods]
+    pairs = [
+        _pair(spec, condition, m, columns[m], columns[spec.baseline], progress)
+        for m in spec.methods
+        if m != spec.baseline
+    ]
+    result: dict[str, Any] = {
+        "index": condition.index,
+        "label": condition.label,
+        "varied": plain(condition.varied),
+        "episodes": episodes,
+        "methods": methods,
+        "pairs": pairs,
+    }
+    if spec.until is not None:
+        widest = max(width(wilson(m["successes"], episodes, progress.level)) for m in methods)
+        result["widest"] = widest
+        result["narrow_enough"] = widest <= spec.until
+    return result
+
+
+def _rows(spec: StudySpec, run: RunDirectory, condition: int, episodes: int) -> pl.DataFrame:
+    """Read the first `episodes` of a condition."""
+    shards = range(-(-episodes // spec.shard))
+    tables = [run.read_shard(Unit(condition, shard)) for shard in shards]
+    table = pl.concat(tables)
+    wanted = sum(len(unit_jobs(spec, Unit(condition, s))) for s in shards) * len(spec.methods)
+    if table.height != wanted:
+        raise RuntimeError(f"condition {condition} has {table.height} rows, not {wanted}")
+    return table
+
+
+def _method(
+    spec: StudySpec, condition: Condition, method: str, table: pl.DataFrame, progress: Progress
+) -> dict[str, Any]:
+    """Counts, rates and averages of one method."""
+    status = table["status"].to_numpy()
+    counts = {s.name: int((status == int(s)).sum()) for s in spec.workload.statuses}
+    rates = {
+        name: {"count": count, **asdict(wilson(count, len(status), progress.level))}
+        for name, count in counts.items()
+        if name != "RUNNING"
+    }
+    own = table.filter(pl.col("status") == int(spec.workload.success))
+    figures = _averages(spec, [own], progress.level, (condition.index, _rank(spec, method), 0))
+    return {
+        "method": method,
+        "episodes": len(status),
+        "successes": counts[spec.workload.success.name],
+        "statuses": rates,
+        "metrics": figures[0],
+    }
+
+
+def _pair(
+    spec: StudySpec,
+    condition: Condition,
+    method: str,
+    table: pl.DataFrame,
+    base: pl.DataFrame,
+    progress: Progress,
+) -> dict[str, Any]:
+    """Compare one method with the baseline, episode by episode."""
+    code, level = int(spec.workload.success), progress.level
+    won, base_won = table["status"].to_numpy() == code, base["status"].to_numpy() == code
+    both = won & base_won
+    shared = [frame.filter(pl.Series(both)) for frame in (table, base)]
+    seed = (condition.index, _rank(spec, method), 1)
+    ours, theirs = _averages(spec, shared, level, seed)
+    metrics = {}
+    for name in _summarised(spec):
+        a, b = (frame[name].to_numpy() for frame in shared)
+        metrics[name] = {
+            "n": int(both.sum()),
+            "method": ours[name],
+            "baseline": theirs[name],
+            "difference": _difference(a, b, level),
+        }
+    return {
+        "method": method,
+        "baseline": spec.baseline,
+        "success": asdict(paired_rates(won, base_won, level)),
+        "metrics": metrics,
+    }
+
+
+def _difference(a: np.ndarray, b: np.ndarray, level: float) -> dict[str, Any]:
+    found = paired_difference(a, b, level)
+    return {
+        **asdict(found.mean),
+        "relative": found.relative,
+        "p_t": found.p_t,
+        "p_wilcoxon": found.p_wilcoxon,
+    }
+
+
+def _averages(
+    spec: StudySpec, tables: list[pl.DataFrame], level: float, seed: tuple[int, ...]
+) -> list[dict[str, Any]]:
+    """Averages of every metric of tables of equal height, by name, per table."""
+    names = _summarised(spec)
+    columns = np.concatenate([t.select(names).to_numpy() for t in tables], axis=1)
+    found = [_figures(a) for a in averages(columns, level, (spec.seed, *seed))]
+    per_table = len(names)
+    return [
+        dict(zip(names, found[i * per_table : (i + 1) * per_table], strict=True))
+        for i in range(len(tables))
+    ]
+
+
+def _figures(found: Averages) -> dict[str, Any]:
+    return {
+        "n": found.n,
+        "mean": asdict(found.mean),
+        "median": asdict(found.median),
+        "iqm": asdict(found.iqm),
+    }
+
+
+def _summarised(spec: StudySpec) -> list[str]:
+    return [metric.name for metric in spec.workload.metrics if metric.summarised]
+
+
+def _rank(spec: StudySpec, method: str) -> int:
+    return spec.methods.index(method)
+
+
+def _tests(conditions: list[dict[str, Any]]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield (family, the dictionary that holds its p-value under that key)."""
+    for condition in conditions:
+        for pair in condition["pairs"]:
+            yield "p_mcnemar", pair["success"]
+            for metric in pair["metrics"].values():
+                yield "p_t", metric["difference"]
+                yield "p_wilcoxon", metric["difference"]
+
+
+def _correct(conditions: list[dict[str, Any]], looks: int) -> None:
+    """Add Holm-corrected p-values; a family is all tests of one kind in the study."""
+    for family in ("p_mcnemar", "p_t", "p_wilcoxon"):
+        holders = [holder for name, holder in _tests(conditions) if name == family]
+        adjusted = holm([holder[family] for holder in holders], looks)
+        for holder, p in zip(holders, adjusted, strict=True):
+            holder[f"{family}_holm"] = p
+
+
+def _families(conditions: list[dict[str, Any]]) -> dict[str, int]:
+    """Return how many tests each family holds."""
+    sizes: dict[str, int] = {}
+    for family, holder in _tests(conditions):
+        sizes[family] = sizes.get(family, 0) + (holder[family] is not None)
+    return sizes
+
+
+def _rounded(value: Any) -> Any:
+    """Keep ten significant digits: more would only show the order of additions."""
+    if isinstance(value, Mapping):
+        return {k: _rounded(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_rounded(v) for v in value]
+    if isinstance(value, float):
+        return float(f"{value:.{_DIGITS}g}")
+    return value
