@@ -11,7 +11,6 @@ from PIL import Image
 from usvjax.cli.maps import MAPS_COMMANDS, sketch
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, hongze_lake, load_map, save_map
-from usvjax.maps.figure import map_figure
 
 POND = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [1, 1, 0, 1]], bool)
 
@@ -129,32 +128,6 @@ def test_draw_puts_north_up_in_the_picture(tmp_path: Path) -> None:
     upper, lower = column[int(height * 0.2)], column[int(height * 0.7)]
     assert upper[2] < upper[0]  # sand: more red than blue
     assert lower[2] > lower[0]  # water: more blue than red
-
-
-@pytest.mark.parametrize(
-    ("grid", "unit"),
-    [(GridMap(POND, 10.0), "m"), (GridMap(POND, 2000.0, (-9000.0, 0.0)), "km")],
-)
-def test_figure_is_in_metres_or_kilometres(grid: GridMap, unit: str) -> None:
-    figure = map_figure(grid)
-    ax = figure.axes[0]
-    assert ax.get_xlabel() == f"x, east ({unit})"
-    assert ax.get_aspect() == 1.0
-    assert (*ax.get_xlim(), *ax.get_ylim()) == grid.extent
-    ticks = [
-        float(label.get_text().replace("\N{MINUS SIGN}", "-")) for label in ax.get_xticklabels()
-    ]
-    scale = 1000.0 if unit == "km" else 1.0
-    np.testing.assert_allclose(np.array(ticks) * scale, ax.get_xticks())
-
-
-def test_shore_lines_follow_the_cell_edges() -> None:
-    blocked = np.zeros((3, 3), bool)
-    blocked[1, 1] = True
-    lines = map_figure(GridMap(blocked, 2.0, (10.0, 20.0))).axes[0].collections[0].get_segments()
-    edges = {frozenset(map(tuple, line.tolist())) for line in lines}
-    corners = [(12.0, 22.0), (14.0, 22.0), (14.0, 24.0), (12.0, 24.0)]
-    assert edges == {frozenset({corners[i], corners[i - 1]}) for i in range(4)}
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,38 @@ from usvjax.cli import main
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, save_map
 from usvjax.plots.study import typical_job
-from usvjax.study import load_run, parse_spec, run_study
+from usvjax.study import load_run, load_spec, parse_spec, run_study
 from usvkernels.status import Status
 
 # Few obstacles and a short prediction, which is what compiling takes its time over.
 PARAMS = {"clearance_cap": 1.0, "clear_distance": 1.0, "stuck_time": 5.0}
 STATIC = {"horizon": 8, "max_steps": 300}
+
+POND_STUDY = """
+name = "pond"
+episodes = 12
+shard = 12
+methods = ["improved"]
+
+[maps]
+source = "grid"
+map = "pond.map"
+min_clearance = 1.0
+distance = [3.0, 9.0]
+
+[params]
+clearance_cap = 1.0
+clear_distance = 1.0
+stuck_time = 5.0
+radius = 0.8
+v_dec = 1.0
+v_acc = 1.0
+v_step = 0.05
+
+[static]
+horizon = 8
+max_steps = 300
+"""
 
 
 @pytest.fixture(scope="module")
@@ -46,24 +72,8 @@ def lake_run(tmp_path_factory):
     blocked[2:12, 2:16] = False
     blocked[5:8, 8:10] = True
     save_map(GridMap(blocked), folder / "pond.map")
-    spec = parse_spec(
-        {
-            "name": "pond",
-            "episodes": 12,
-            "shard": 12,
-            "methods": ["improved"],
-            "maps": {
-                "source": "grid",
-                "map": "pond.map",
-                "min_clearance": 1.0,
-                "distance": [3.0, 9.0],
-            },
-            "params": {**PARAMS, "radius": 0.8, "v_dec": 1.0, "v_acc": 1.0, "v_step": 0.05},
-            "static": STATIC,
-        },
-        folder=folder,
-    )
-    return run_study(spec, folder / "runs", devices=1).path
+    (folder / "pond.toml").write_text(POND_STUDY)
+    return run_study(load_spec(folder / "pond.toml"), folder / "runs", devices=1).path
 
 
 @pytest.fixture(autouse=True)
@@ -207,6 +217,18 @@ def test_plot_draws_charts_of_a_lake_run_and_lists_them_as_json(lake_run, tmp_pa
     assert names[0] == "success.png"
     assert "chart-c0-improved.png" in names
     assert {path.name for path in (run / "figures").iterdir()} == set(names)
+
+
+def test_a_study_plots_a_map_beside_it_from_anywhere(lake_run, tmp_path, monkeypatch, capsys):
+    """The map file is relative to the study, not to where the command is typed."""
+    shutil.copytree(lake_run.parent.parent, tmp_path / "ours")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    command = ["study", "../ours/pond.toml", "--out", "../ours/runs", "--devices", "1"]
+    assert main([*command, "--quiet", "--json"]) == 0
+    figures = json.loads(capsys.readouterr().out)["figures"]
+    assert "../ours/runs/pond/figures/chart-c0-improved.png" in figures
+    assert all((tmp_path / "elsewhere" / figure).is_file() for figure in figures)
 
 
 def test_figures_without_examples_need_no_simulation(lattice_run, tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ are bounded here from the unit of the arithmetic, and how often they happen is b
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -63,7 +63,10 @@ def score_error(
         (s.clearance_weight, oracle.clearance, np.full(to_goal.shape, BOUNDARY * unit)),
         (s.velocity_weight, oracle.v, np.full(to_goal.shape, unit)),
     )
-    among = partial(np.where, oracle.admissible)
+
+    def among(value: dwa_numpy.Floats, otherwise: float) -> dwa_numpy.Floats:
+        return np.where(oracle.admissible, value, otherwise)
+
     total = np.full(to_goal.shape, 1e-3 * unit)
     for weight, value, error in parts:
         scale = np.ones((len(case), 1))
@@ -85,7 +88,7 @@ def score_error(
 def doubtful(oracle: dwa_numpy.Decision, unit: float) -> dwa_numpy.Bools:
     """Where [S] rounding may answer one of the decision's yes/no questions either way."""
     near = (oracle.margin < BOUNDARY * unit) | (oracle.rate_margin < unit)
-    return near.any(axis=1)
+    return np.asarray(near.any(axis=1))
 
 
 def check(s: Settings, case: Situations, found: dwa_numpy.Decision, unit: float) -> dwa_numpy.Bools:
@@ -156,7 +159,7 @@ def test_kernel_with_parameters_of_its_own_per_situation() -> None:
     ]
     case = situations(np.random.default_rng(4), 2_700, 8, PAPER)
     which = np.arange(len(case)) // len(several) % len(several)
-    numbers = {
+    numbers: dict[str, Any] = {
         name: np.array([getattr(parameters(s)[0], name) for s in several], np.float32)[which]
         for name in ("radius", "search_angle", "heading_weight", "dt")
     }
@@ -185,10 +188,11 @@ class Sailed:
     goals: dwa_numpy.Floats  # [B, 2]
     valid: dwa_numpy.Bools  # [B, K]
     result: uj.NavigateResult
+    path: dwa_numpy.Floats  # [B, T, 5], the recorded trajectories
 
     def nearest(self) -> dwa_numpy.Floats:
         """Clearance float64[B, T] at the recorded positions."""
-        offset = self.result.trajectory[:, :, None, :2] - self.obstacles[:, None]
+        offset = self.path[:, :, None, :2] - self.obstacles[:, None]
         gap = np.hypot(offset[..., 0], offset[..., 1])
         return np.where(self.valid[:, None], gap, np.inf).min(axis=2) - self.s.radius
 
@@ -210,7 +214,9 @@ def sailed(request: pytest.FixtureRequest) -> Sailed:
     result = uj.navigate_dwa(
         obstacles, starts, goals, params=params, static=static, valid=valid, record=True
     )
-    return Sailed(s, starts, obstacles, goals, valid, result)
+    assert result.trajectory is not None
+    path = result.trajectory.astype(np.float64)
+    return Sailed(s, starts, obstacles, goals, valid, result, path)
 
 
 def test_episodes_end_as_the_oracles(sailed: Sailed) -> None:
@@ -222,7 +228,7 @@ def test_episodes_end_as_the_oracles(sailed: Sailed) -> None:
     assert (r.status == want.status).mean() >= 0.98
     assert same.mean() >= 0.95
     steps = int(r.steps.max()) + 1
-    off = np.abs(r.trajectory[:, :, :2] - want.trajectory[:, :steps, :2]).max(axis=(1, 2))
+    off = np.abs(sailed.path[:, :, :2] - want.trajectory[:, :steps, :2]).max(axis=(1, 2))
     assert np.median(off) < 1e-4
     assert np.quantile(np.abs(r.path_length - want.path_length), 0.9) < 1e-2
     assert len(np.unique(want.status)) >= 3
@@ -230,7 +236,7 @@ def test_episodes_end_as_the_oracles(sailed: Sailed) -> None:
 
 def test_recorded_steps_follow_eq_1(sailed: Sailed) -> None:
     r, dt = sailed.result, sailed.s.dt
-    path = r.trajectory.astype(np.float64)
+    path = sailed.path
     assert path.shape == (EPISODES, r.steps.max() + 1, 5)
     np.testing.assert_array_equal(path[:, 0, :3], sailed.starts)
     np.testing.assert_array_equal(path[:, 0, 3:], 0.0)
@@ -248,16 +254,16 @@ def test_recorded_steps_follow_eq_1(sailed: Sailed) -> None:
 
 def test_recorded_decisions_are_the_oracles(sailed: Sailed) -> None:
     r, s = sailed.result, sailed.s
-    episode, step = np.nonzero(np.arange(r.trajectory.shape[1] - 1) < r.steps[:, None])
+    episode, step = np.nonzero(np.arange(sailed.path.shape[1] - 1) < r.steps[:, None])
     case = Situations(
-        r.trajectory[episode, step].astype(np.float64),
+        sailed.path[episode, step],
         sailed.obstacles[episode],
         sailed.valid[episode],
         sailed.goals[episode],
         np.zeros(len(step), np.int64),
     )
     oracle = dwa_numpy.decide(case.states, case.obstacles, case.goals, s, case.valid)
-    command = r.trajectory[episode, step + 1, 3:]
+    command = sailed.path[episode, step + 1, 3:]
     differ = np.flatnonzero(np.abs(command - oracle.command).max(axis=1) > FLOAT32)
     assert len(differ) <= 10 * TIES * len(step)
     off = np.abs(oracle.v - command[:, :1]) + np.abs(oracle.w - command[:, 1:])
@@ -273,15 +279,15 @@ def test_recorded_decisions_are_the_oracles(sailed: Sailed) -> None:
 def test_results_follow_from_the_recorded_trajectory(sailed: Sailed) -> None:
     r, s = sailed.result, sailed.s
     rows, last = np.arange(EPISODES), r.steps
-    times = np.arange(r.trajectory.shape[1])
-    speeds = np.abs(r.trajectory[:, 1:, 3]) * (times[1:] <= last[:, None])
+    times = np.arange(sailed.path.shape[1])
+    speeds = np.abs(sailed.path[:, 1:, 3]) * (times[1:] <= last[:, None])
     np.testing.assert_allclose(r.path_length, speeds.sum(axis=1) * s.dt, rtol=1e-5)
     np.testing.assert_allclose(r.time, last * s.dt, rtol=1e-6)
     np.testing.assert_allclose(r.mean_speed, r.path_length / r.time, rtol=1e-6)
     clearance = sailed.nearest()
     np.testing.assert_allclose(r.min_clearance, clearance.min(axis=1), atol=2e-6)
 
-    to_goal = np.linalg.norm(r.trajectory[:, :, :2] - sailed.goals[:, None], axis=2)
+    to_goal = np.linalg.norm(sailed.path[:, :, :2] - sailed.goals[:, None], axis=2)
     sailing = times < last[:, None]
     # Never over before its end, to rounding of the positions.
     assert clearance[sailing].min() > -2e-6
@@ -291,7 +297,7 @@ def test_results_follow_from_the_recorded_trajectory(sailed: Sailed) -> None:
     reached = to_goal[rows, last] <= s.goal_tolerance
     near |= np.abs(to_goal[rows, last] - s.goal_tolerance) < 2e-6
     idle = np.array(
-        [idle_steps(path[: n + 1], s) for path, n in zip(r.trajectory, last, strict=True)]
+        [idle_steps(path[: n + 1], s) for path, n in zip(sailed.path, last, strict=True)]
     )
     stuck = idle * s.dt >= s.stuck_time
     late = last >= s.max_steps
@@ -347,8 +353,8 @@ def test_closed_loops_of_the_peers_agree(variant: str) -> None:
     for closed_form in (False, True):
         np.testing.assert_allclose(dwa_numba.run(*scene, s, 15, closed_form), want, atol=1e-9)
     for i in range(len(case)):
-        rows = (a[i].tolist() for a in scene)
-        got = dwa_python.run(*rows, s, 15)
+        state, obstacles, goal = (a[i].tolist() for a in scene)
+        got = dwa_python.run(state, obstacles, goal, s, 15)
         np.testing.assert_allclose(got, want[i], atol=1e-9)
 
 
@@ -357,14 +363,14 @@ def test_plain_python_and_numpy_agree() -> None:
         case = crowded(10, 180, s)
         oracle = dwa_numpy.decide(case.states, case.obstacles, case.goals, s)
         for i in range(len(case)):
-            rows = (a[i].tolist() for a in (case.states, case.obstacles, case.goals))
-            chosen, v, w = dwa_python.decide(*rows, s)
+            state, obstacles, goal = case.states[i].tolist(), case.obstacles[i], case.goals[i]
+            chosen, v, w = dwa_python.decide(state, obstacles.tolist(), goal.tolist(), s)
             assert chosen == oracle.chosen[i]
             np.testing.assert_allclose((v, w), oracle.command[i], atol=1e-15)
 
 
 @pytest.mark.parametrize("change", [{"clearance": "trajectory"}, {"normalise": "range"}])
-def test_simpler_peers_refuse_what_they_lack(change: dict[str, str]) -> None:
+def test_simpler_peers_refuse_what_they_lack(change: dict[str, Any]) -> None:
     dwa_numba = pytest.importorskip("benchmarks.peers.dwa_numba", reason="needs numba")
     s = replace(PAPER, **change)
     case = crowded(11, 1, s)

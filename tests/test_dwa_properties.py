@@ -226,8 +226,12 @@ def test_clearance_along_the_trajectory_is_never_larger() -> None:
 
 @pytest.mark.parametrize("part", ["heading", "clearance", "velocity"])
 def test_normalised_parts_add_up_to_one(part: str) -> None:
-    weights = dict.fromkeys(("heading_weight", "clearance_weight", "velocity_weight"), 0.0)
-    s = replace(TRADITIONAL, **(weights | {f"{part}_weight": 1.0}))
+    s = replace(
+        TRADITIONAL,
+        heading_weight=float(part == "heading"),
+        clearance_weight=float(part == "clearance"),
+        velocity_weight=float(part == "velocity"),
+    )
     found = kernel(s, draw(8, 900))
     total = np.where(found.admissible, np.abs(found.score), 0.0).sum(axis=1)
     some = found.admissible.any(axis=1)

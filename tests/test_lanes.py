@@ -154,7 +154,9 @@ def waters() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return starts, obstacles, goals
 
 
-PARAMS = DwaParams(radius=0.3, clearance_cap=1.0, goal_tolerance=0.4, stuck_time=5.0)
+PARAMS = DwaParams(
+    radius=0.3, clearance_cap=1.0, goal_tolerance=0.4, stuck_distance=0.7, stuck_time=4.0
+)
 STATIC = DwaStatic(method="improved", max_steps=100)
 
 
@@ -183,7 +185,7 @@ def jobs_of(rows: slice) -> Jobs:
     )
 
 
-def assert_same(got: Outcome, want: Outcome) -> None:
+def assert_same(got: Outcome | uj.NavigateResult, want: Outcome) -> None:
     for name in ("status", "steps", "path_length", "min_clearance"):
         np.testing.assert_array_equal(getattr(got, name), getattr(want, name), err_msg=name)
 

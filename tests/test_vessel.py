@@ -49,7 +49,8 @@ def test_closed_form_rollout_is_the_euler_loop(
     x: float, y: float, psi: float, v: float, w: float, dt: float, n: int
 ) -> None:
     with enable_x64():
-        got = constant_command_rollout(*(jnp.float64(a) for a in (x, y, psi, v, w)), dt, n)
+        now = (jnp.float64(x), jnp.float64(y), jnp.float64(psi))
+        got = constant_command_rollout(*now, jnp.float64(v), jnp.float64(w), dt, n)
         got_x, got_y, got_psi = (float(a) for a in got)
     want_x, want_y, want_psi = euler_loop(x, y, psi, v, w, dt, n)
     scale = abs(x) + abs(y) + abs(v) * dt * n
@@ -64,9 +65,11 @@ def test_closed_form_rollout_in_float32() -> None:
     x, y = rng.uniform(-10, 10, (2, n)).astype(np.float32)
     psi = rng.uniform(-np.pi, np.pi, n).astype(np.float32)
     v, w = (rng.uniform(-1, 1, (2, n)) * [[1.0], [0.6]]).astype(np.float32)
-    got = np.array(constant_command_rollout(x, y, psi, v, w, 0.1, 30), np.float64)
-    args = (a.astype(np.float64) for a in (x, y, psi, v, w))
-    want = np.array([euler_loop(*row, 0.1, 30) for row in zip(*args, strict=True)]).T
+    now = (jnp.asarray(x), jnp.asarray(y), jnp.asarray(psi))
+    rollout = constant_command_rollout(*now, jnp.asarray(v), jnp.asarray(w), 0.1, 30)
+    got = np.array(rollout, np.float64)
+    rows = np.stack((x, y, psi, v, w), axis=1).astype(np.float64)
+    want = np.array([euler_loop(a, b, c, d, e, 0.1, 30) for a, b, c, d, e in rows]).T
     assert np.abs(got[:2] - want[:2]).max() < 4e-6
     assert np.abs(np.exp(1j * got[2]) - np.exp(1j * want[2])).max() < 2e-6
 
@@ -95,9 +98,10 @@ def test_steps_against_complex_numbers(
     x: float, y: float, psi: float, surge: float, sway: float, w: float, dt: float
 ) -> None:
     with enable_x64():
-        pose = tuple(jnp.float64(a) for a in (x, y, psi))
-        unicycle = [float(a) for a in unicycle_step(*pose, surge, w, dt)]
-        body = [float(a) for a in body_step(*pose, surge, sway, w, dt)]
+        pose = (jnp.float64(x), jnp.float64(y), jnp.float64(psi))
+        speeds = (jnp.float64(surge), jnp.float64(sway), jnp.float64(w))
+        unicycle = [float(a) for a in unicycle_step(*pose, speeds[0], speeds[2], dt)]
+        body = [float(a) for a in body_step(*pose, *speeds, dt)]
     scale = 1e-14 * (abs(x) + abs(y) + dt * (abs(surge) + abs(sway)) + 1e-300)
     eq1 = complex(x, y) + surge * dt * cmath.exp(1j * psi)
     eq3 = complex(x, y) + complex(surge, sway) * dt * cmath.exp(1j * psi)
@@ -109,7 +113,8 @@ def test_steps_against_complex_numbers(
 
 
 def test_sway_moves_to_port() -> None:
-    x, y, psi = body_step(*map(jnp.float32, (0.0, 0.0, 0.0)), 0.0, 1.0, 0.0, 0.5)
+    zero, one = jnp.float32(0.0), jnp.float32(1.0)
+    x, y, psi = body_step(zero, zero, zero, zero, one, zero, 0.5)
     assert (float(x), float(y), float(psi)) == (0.0, 0.5, 0.0)
 
 
@@ -134,7 +139,7 @@ def test_wrap_angle_float32() -> None:
     odd = pi * np.arange(-9, 10, 2, dtype=np.float32)
     near = [odd, np.nextafter(odd, np.float32(np.inf)), np.nextafter(odd, np.float32(-np.inf))]
     angles = np.concatenate([rng.uniform(-50, 50, 100_000).astype(np.float32), *near])
-    wrapped = np.asarray(wrap_angle(angles))
+    wrapped = np.asarray(wrap_angle(jnp.asarray(angles)))
     assert wrapped.dtype == np.float32
     assert (wrapped >= -pi).all()
     assert (wrapped < pi).all()
@@ -147,7 +152,7 @@ def test_sincos_float32_error() -> None:
     angles = np.concatenate(
         [rng.uniform(-1e3, 1e3, 400_000), np.arange(-600, 601) * np.pi / 2, [0.0, -0.0]]
     ).astype(np.float32)
-    sin, cos = (np.asarray(a) for a in sincos(angles))
+    sin, cos = (np.asarray(a) for a in sincos(jnp.asarray(angles)))
     exact = angles.astype(np.float64)
     assert sin.dtype == cos.dtype == np.float32
     assert np.abs(sin - np.sin(exact)).max() < 2e-7

@@ -1,12 +1,15 @@
 """Checks of what a user passes in, before anything is traced."""
 
-import difflib
+import math
+import os
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.suggest import did_you_mean
 
 
 def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
@@ -47,14 +50,9 @@ def one_of(name: str, value: object, allowed: Iterable[str]) -> None:
     """
     allowed = list(allowed)
     if value not in allowed:
-        raise BadInputError(f"{name}: got {value!r}; wanted {nearest(str(value), allowed)}")
-
-
-def nearest(word: str, allowed: list[str]) -> str:
-    """What to suggest instead of an unknown word: all names, the nearest first."""
-    close = difflib.get_close_matches(word, allowed, n=1, cutoff=0.5)
-    listed = ", ".join(repr(a) for a in allowed)
-    return f"{close[0]!r} (one of {listed})" if close else f"one of {listed}"
+        listed = " or ".join(repr(a) for a in allowed)
+        hint = did_you_mean(str(value), allowed)
+        raise BadInputError(f"{name}: got {value!r}; wanted {listed}; {hint}")
 
 
 def whole_number(name: str, value: object, least: int) -> int:
@@ -73,3 +71,83 @@ def whole_number(name: str, value: object, least: int) -> int:
 
 def _shape(shape: tuple[int | None, ...]) -> str:
     return "shape (" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
+
+
+def number(name: str, value: Any) -> float:
+    """Return a finite real number as a float.
+
+    Raises:
+        BadTypeError: It is not a number.
+        BadInputError: It is NaN or infinite.
+    """
+    if isinstance(value, bool | np.bool_) or not isinstance(
+        value, int | float | np.integer | np.floating
+    ):
+        raise BadTypeError(f"{name}: got {value!r}; wanted a number")
+    if not math.isfinite(value):
+        raise BadInputError(f"{name}: got {value}; wanted a finite number")
+    return float(value)
+
+
+def positive(name: str, value: Any) -> float:
+    """Return a finite number above zero; raises like ``number``."""
+    result = number(name, value)
+    if result <= 0:
+        raise BadInputError(f"{name}: got {value}; wanted a number above 0")
+    return result
+
+
+def not_negative(name: str, value: Any) -> float:
+    """Return a finite number of zero or more; raises like ``number``."""
+    result = number(name, value)
+    if result < 0:
+        raise BadInputError(f"{name}: got {value}; wanted 0 or more")
+    return result
+
+
+def fraction(name: str, value: Any) -> float:
+    """Return a number in [0, 1]; raises like ``number``."""
+    result = number(name, value)
+    if not 0 <= result <= 1:
+        raise BadInputError(f"{name}: got {value}; wanted a number in [0, 1]")
+    return result
+
+
+def pair(name: str, value: Any) -> tuple[float, float]:
+    """Return (x, y) as two finite floats; raises like ``number``."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if not isinstance(value, tuple | list):
+        raise BadTypeError(f"{name}: got {value!r}; wanted two numbers (x, y)")
+    if len(value) != 2:
+        raise BadInputError(f"{name}: got {len(value)} numbers; wanted two, (x, y)")
+    return number(f"{name}[0]", value[0]), number(f"{name}[1]", value[1])
+
+
+def grid(name: str, value: Any) -> np.ndarray:
+    """Return a private, read-only bool[H, W] with H, W >= 1.
+
+    Raises:
+        BadTypeError: The dtype is not bool.
+        BadInputError: It is not two-dimensional, or empty.
+    """
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise BadInputError(f"{name}: got rows of unequal length; wanted bool [H, W]") from None
+    if array.dtype != np.bool_:
+        raise BadTypeError(
+            f"{name}: got dtype {array.dtype}; wanted bool [H, W] (True = not navigable)"
+        )
+    if array.ndim != 2 or 0 in array.shape:
+        raise BadInputError(f"{name}: got shape {array.shape}; wanted [H, W] with both at least 1")
+    array = array.copy()
+    array.flags.writeable = False
+    return array
+
+
+def file_path(name: str, value: Any) -> Path:
+    """Return a path; raises BadTypeError for anything but a string or a path."""
+    if not isinstance(value, str | os.PathLike):
+        raise BadTypeError(f"{name}: got {value!r}; wanted a string or a path")
+    return Path(value)

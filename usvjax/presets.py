@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import nearest
+from usvjax.checks import one_of
 from usvjax.errors import BadInputError, BadTypeError
-from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.dwa import SLACK, DwaParams, DwaStatic
 
 KNOT = 1852.0 / 3600.0  # m/s
 NAUTICAL_MILE = 1852.0  # m
@@ -45,10 +45,9 @@ def window_size(params: DwaParams) -> tuple[int, int]:
     p = {f.name: np.asarray(getattr(params, f.name), np.float64) for f in fields(params)}
     v_span = np.minimum((p["v_acc"] + p["v_dec"]) * p["dt"], p["v_max"] - p["v_min"])
     w_span = np.minimum((p["w_acc"] + p["w_dec"]) * p["dt"], p["w_max"] - p["w_min"])
-    # The kernel admits a candidate up to a thousandth of a step past the window's edge.
     return (
-        floor(np.max(v_span / p["v_step"]) + 1e-3) + 1,
-        floor(np.max(w_span / p["w_step"]) + 1e-3) + 1,
+        floor(np.max(v_span / p["v_step"]) + SLACK) + 1,
+        floor(np.max(w_span / p["w_step"]) + SLACK) + 1,
     )
 
 
@@ -125,8 +124,7 @@ def preset(name: str) -> DwaPreset:
     Raises:
       BadInputError: no such preset; names the nearest.
     """
-    if name not in PRESETS:
-        raise BadInputError(f"preset: got {name!r}; wanted {nearest(name, list(PRESETS))}")
+    one_of("preset", name, PRESETS)
     return PRESETS[name]
 
 
@@ -192,11 +190,7 @@ def _demand(name: str, value: np.ndarray, holds: np.ndarray, wanted: str) -> Non
 
 def _check_static(params: DwaParams, static: DwaStatic) -> None:
     for name, allowed in _CHOICES.items():
-        value = getattr(static, name)
-        if value not in allowed:
-            raise BadInputError(
-                f"static.{name}: got {value!r}; wanted {nearest(str(value), list(allowed))}"
-            )
+        one_of(f"static.{name}", getattr(static, name), allowed)
     for name in ("n_v", "n_w", "horizon", "max_steps"):
         value = getattr(static, name)
         if isinstance(value, bool) or not isinstance(value, int) or value < 1:

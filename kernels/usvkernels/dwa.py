@@ -23,6 +23,9 @@ Scalar = Array | float
 FAR = 1e6
 """Coordinate (m) that pads obstacle rows; what lies beyond FAR / 2 of a point is no obstacle."""
 
+SLACK = 1e-3
+"""Share of a candidate's step by which rounding may carry it past an edge."""
+
 UNROLLED_OBSTACLES = 64
 """Up to this many obstacles the running minimum is unrolled; more go in blocks of this size."""
 
@@ -90,7 +93,7 @@ class DwaStatic:
     braking: bool = True
     heading_first: bool = False
     when_blocked: str = "brake"
-    max_steps: int = 2000
+    max_steps: int = 1500  # 150 s, twice the longest time in Tan et al. 2022
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -150,7 +153,7 @@ def window(params: DwaParams, static: DwaStatic, v: Array, w: Array) -> tuple[Ar
     w_low, w_high = _reach(w, p.w_min, p.w_max, p.w_acc, p.w_dec, p.dt)
     v_i = v_low + _steps(static.n_v, v.dtype) * p.v_step
     w_j = w_low + _steps(static.n_w, w.dtype) * p.w_step
-    return v_i, v_i <= v_high + 1e-3 * p.v_step, w_j, w_j <= w_high + 1e-3 * p.w_step
+    return v_i, v_i <= v_high + SLACK * p.v_step, w_j, w_j <= w_high + SLACK * p.w_step
 
 
 def _reach(
@@ -183,7 +186,8 @@ def _in_sector(offset: Complex, ahead: Complex, params: DwaParams) -> Array:
     """Whether an obstacle's circle meets the search sector at P (Tan et al. 2022, Fig. 1).
 
     That is, whether its centre, at `offset` from P, is within the radius of the sector: by its
-    distance from the nearer ray, where the foot lies on the ray, or from P itself.
+    distance from the nearer ray (not above 0 inside the sector), where the foot lies on the
+    ray, or from P itself.
     """
     sin, cos = sincos(params.search_angle)
     along = offset[0] * ahead[0] + offset[1] * ahead[1]
@@ -191,7 +195,8 @@ def _in_sector(offset: Complex, ahead: Complex, params: DwaParams) -> Array:
     from_ray = across * cos - along * sin
     foot_on_ray = along * cos + across * sin > 0.0
     touches_p = offset[0] * offset[0] + offset[1] * offset[1] <= params.radius * params.radius
-    return (from_ray <= params.radius) & (foot_on_ray | touches_p)
+    near_ray = (from_ray <= params.radius) & foot_on_ray
+    return (from_ray <= 0.0) | near_ray | touches_p
 
 
 def _nearest(obstacles: Array, point: Complex, counted: list[Array] | None, least: Array) -> Array:
@@ -245,7 +250,8 @@ def _clearance(
       float[n_v, n_w, lanes] (m), negative inside a circle.
     """
     end = (v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1])
-    astern = (v_i < 0.0)[:, None]
+    # Standing still is not going astern, whatever rounding makes of 0.
+    astern = (v_i < -SLACK * params.v_step)[:, None]
     ahead = (
         jnp.where(astern, -fan.heading[0], fan.heading[0]),
         jnp.where(astern, -fan.heading[1], fan.heading[1]),
@@ -262,8 +268,8 @@ def _clearance(
             return _nearest(block, end, counted, least)
         return _nearest_along(block, v_i, fan, counted, static, params.dt, least)
 
-    least = _fold_blocks(fold, obstacles, jnp.full_like(end[0], jnp.inf))
-    dist = jnp.where(least < (FAR / 2) ** 2, jnp.sqrt(least) - params.radius, params.clear_distance)
+    nearest = _fold_blocks(fold, obstacles, jnp.full_like(end[0], jnp.inf))
+    dist = jnp.where(nearest < FAR / 2, nearest - params.radius, params.clear_distance)
     return jnp.minimum(dist, params.clearance_cap)
 
 

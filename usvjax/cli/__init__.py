@@ -4,13 +4,14 @@ A user's mistake is one line on stderr and exit code 2; Ctrl-C is 130. Each comm
 imported only when that command is asked for.
 """
 
-import difflib
 import importlib
 import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+from usvjax.suggest import did_you_mean
 
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
@@ -126,9 +127,7 @@ def _exit_code(result: Any) -> int:
 
 
 def _unknown(name: str) -> int:
-    near = difflib.get_close_matches(name, COMMANDS, n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]!r}?" if near else f"commands: {', '.join(COMMANDS)}"
-    print(f"usvjax: unknown command {name!r}; {hint}", file=sys.stderr)
+    print(f"usvjax: unknown command {name!r}; {did_you_mean(name, COMMANDS)}", file=sys.stderr)
     return EXIT_USAGE
 
 

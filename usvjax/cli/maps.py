@@ -108,11 +108,11 @@ def draw_map(map_name: MapName, out: OutFile, cell_size: CellSize = None, dpi: i
         cell_size: Edge of a cell, m; needed for a plain image.
         dpi: Dots per inch of a PNG.
     """
-    from usvjax.maps.figure import map_figure
     from usvjax.plots import style
+    from usvjax.plots.map_sheet import plot_map
 
     style.check_suffix(out, style.FORMATS)
-    figure = map_figure(find_map(map_name, cell_size=cell_size))
+    figure = plot_map(find_map(map_name, cell_size=cell_size))
     written = style.save(figure, out, dpi=dpi)
     Console(soft_wrap=True).print(f"wrote {written}", highlight=False)
 

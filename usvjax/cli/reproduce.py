@@ -29,7 +29,7 @@ def reproduce(paper: Paper, *options: Options) -> None:
         options: Passed on to the experiment.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.study.fields import did_you_mean
+    from usvjax.suggest import did_you_mean
 
     root = _checkout()
     papers = _papers(root)

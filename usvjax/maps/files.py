@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from usvjax import checks
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import arguments, disk
+from usvjax.maps import disk
 from usvjax.maps.grid_map import GridMap
 from usvjax.maps.image import encode_image, read_image
 from usvjax.maps.movingai import encode_movingai, read_movingai
@@ -45,11 +46,11 @@ def load_map(
         BadTypeError: An argument has the wrong type.
         BadInputError: The file is missing, truncated or malformed, or an argument is out of range.
     """
-    place = arguments.file_path("path", path)
+    place = checks.file_path("path", path)
     if cell_size is not None:
-        cell_size = arguments.positive("cell_size", cell_size)
+        cell_size = checks.positive("cell_size", cell_size)
     if origin is not None:
-        origin = arguments.pair("origin", origin)
+        origin = checks.pair("origin", origin)
     suffix = place.suffix.lower()
     if suffix in _MOVINGAI:
         return read_movingai(place, cell_size, origin)
@@ -83,7 +84,7 @@ def save_map(grid: GridMap, path: Any, *, replace: bool = True) -> list[Path]:
     """
     if not isinstance(grid, GridMap):
         raise BadTypeError(f"grid: got {type(grid).__name__}; wanted a GridMap")
-    place = arguments.file_path("path", path)
+    place = checks.file_path("path", path)
     suffix = place.suffix.lower()
     if suffix in _MOVINGAI:
         files = encode_movingai(grid, place)

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
+from usvjax import checks
 from usvjax.checks import whole_number
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import arguments
 from usvjax.maps.obstacles import expand_obstacles
 
 
@@ -38,9 +38,9 @@ class GridMap:
     attribution: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "blocked", arguments.grid("blocked", self.blocked))
-        object.__setattr__(self, "cell_size", arguments.positive("cell_size", self.cell_size))
-        object.__setattr__(self, "origin", arguments.pair("origin", self.origin))
+        object.__setattr__(self, "blocked", checks.grid("blocked", self.blocked))
+        object.__setattr__(self, "cell_size", checks.positive("cell_size", self.cell_size))
+        object.__setattr__(self, "origin", checks.pair("origin", self.origin))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GridMap):
@@ -152,7 +152,7 @@ class GridMap:
             BadTypeError: ``radius_m`` is not a number.
             BadInputError: It is negative or not finite.
         """
-        radius = arguments.not_negative("radius_m", radius_m)
+        radius = checks.not_negative("radius_m", radius_m)
         # A radius of a whole number of cells must survive the rounding of the products.
         return replace(self, blocked=self.clearance() <= radius * (1 + 1e-6))
 

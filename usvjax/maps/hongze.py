@@ -6,8 +6,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from usvjax import checks
 from usvjax.errors import BadInputError
-from usvjax.maps import arguments
 from usvjax.maps.files import load_map
 from usvjax.maps.grid_map import GridMap
 
@@ -36,7 +36,7 @@ def hongze_lake(cell_size: float = 250) -> GridMap:
         BadTypeError: ``cell_size`` is not a number.
         BadInputError: It is none of these sizes.
     """
-    size = arguments.positive("cell_size", cell_size)
+    size = checks.positive("cell_size", cell_size)
     if size in SHIPPED_CELL_SIZES:
         return _shipped(int(size))
     factor = round(_FINEST / size)
@@ -66,7 +66,7 @@ def find_map(
         BadTypeError: An argument has the wrong type.
         BadInputError: There is no such map, or the file is malformed.
     """
-    text = str(arguments.file_path("map", name))
+    text = str(checks.file_path("map", name))
     match = _NAME.fullmatch(text)
     if match is None:
         if not Path(text).suffix:

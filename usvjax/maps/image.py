@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from usvjax import checks
 from usvjax.errors import BadInputError
-from usvjax.maps import arguments, disk
+from usvjax.maps import disk
 from usvjax.maps.grid_map import GridMap
 
 # ITU-R BT.601 luma, the grey of most image programs.
@@ -40,7 +41,7 @@ def read_image(
     """
     if cell_size is None:
         raise BadInputError(f"{path}: an image has no scale; give cell_size, the metres per pixel")
-    level = arguments.fraction("threshold", threshold)
+    level = checks.fraction("threshold", threshold)
     pixels = read_pixels(path)
     grey = pixels[..., 0] if pixels.shape[-1] == 1 else pixels[..., :3] @ _LUMA
     blocked = grey < 255.0 * level

@@ -7,8 +7,8 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
+from usvjax import checks
 from usvjax.checks import whole_number
-from usvjax.maps import arguments
 from usvkernels import grids
 
 _EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=bool)
@@ -38,8 +38,8 @@ def expand_obstacles(blocked: Any, expansion: float) -> np.ndarray:
         BadTypeError: ``blocked`` is not bool or ``expansion`` not a number.
         BadInputError: ``expansion`` is negative or not finite, or ``blocked`` not [H, W].
     """
-    cells = arguments.grid("blocked", blocked)
-    scale = 1.0 + arguments.not_negative("expansion", expansion)
+    cells = checks.grid("blocked", blocked)
+    scale = 1.0 + checks.not_negative("expansion", expansion)
     labels, count = ndimage.label(cells, structure=_EIGHT_NEIGHBOURS)
     result = cells.copy()
     for label, box in enumerate(ndimage.find_objects(labels, count), start=1):
@@ -98,8 +98,8 @@ def obstacle_table(blocked: Any, k: int | None, reach_cells: float) -> np.ndarra
         BadTypeError: An argument has the wrong type.
         BadInputError: ``k`` is below 1, ``reach_cells`` not above 0, or ``blocked`` not [H, W].
     """
-    cells = arguments.grid("blocked", blocked)
-    reach = arguments.positive("reach_cells", reach_cells) * (1.0 + _AT_REACH)
+    cells = checks.grid("blocked", blocked)
+    reach = checks.positive("reach_cells", reach_cells) * (1.0 + _AT_REACH)
     shore = np.flatnonzero(np.asarray(_shoreline(cells)))
     tree = cKDTree(np.stack(np.divmod(shore, cells.shape[1]), axis=-1))
     free = np.argwhere(~cells)

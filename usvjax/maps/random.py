@@ -5,9 +5,9 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax import checks
 from usvjax.checks import whole_number
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import arguments
 from usvkernels import grids
 
 # Cells drawn per call: bounds the memory of the uniform fields (16 bytes a cell) to 64 MB.
@@ -48,7 +48,7 @@ def random_maps(
     stream = _as_key(key)
     n = whole_number("n", n, 1)
     height, width = _as_shape(shape)
-    level = np.float32(arguments.fraction("density", density))
+    level = np.float32(checks.fraction("density", density))
     first = whole_number("first", first, 0)
     if first + n > 2**32:
         raise BadInputError(f"first + n: got {first} + {n}; wanted at most 2**32")

@@ -14,9 +14,10 @@ from typing import Any, Literal
 import numpy as np
 import yaml
 
+from usvjax import checks
 from usvjax.checks import one_of
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import arguments, disk
+from usvjax.maps import disk
 from usvjax.maps.grid_map import GridMap
 from usvjax.maps.image import encode_image, read_pixels
 
@@ -51,7 +52,7 @@ def read_ros(
     one_of("unknown", unknown, ("blocked", "free"))
     content = _parse(path)
     try:
-        resolution = arguments.positive("resolution", _as_number(content["resolution"]))
+        resolution = checks.positive("resolution", _as_number(content["resolution"]))
         corner = _corner(content["origin"])
         percent = _percent(content, path)
     except (BadInputError, BadTypeError) as error:
@@ -123,8 +124,8 @@ def _percent(content: dict[str, Any], path: Path) -> np.ndarray:
 
 
 def _thresholds(content: dict[str, Any]) -> tuple[float, float]:
-    free = arguments.fraction("free_thresh", _as_number(content["free_thresh"]))
-    occupied = arguments.fraction("occupied_thresh", _as_number(content["occupied_thresh"]))
+    free = checks.fraction("free_thresh", _as_number(content["free_thresh"]))
+    occupied = checks.fraction("occupied_thresh", _as_number(content["occupied_thresh"]))
     if free > occupied:
         raise BadInputError(
             f"free_thresh: got {free:g}; wanted at most occupied_thresh, {occupied:g}"
@@ -136,7 +137,7 @@ def _corner(origin: Any) -> tuple[float, float]:
     if not isinstance(origin, list) or len(origin) != 3:
         raise BadInputError(f"origin: got {origin!r}; wanted [x, y, yaw]")
     x, y, yaw = (
-        arguments.number(f"origin {axis}", _as_number(value))
+        checks.number(f"origin {axis}", _as_number(value))
         for axis, value in zip(("x", "y", "yaw"), origin, strict=True)
     )
     if yaw != 0:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from usvjax import checks
 from usvjax.checks import whole_number
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import arguments, disk
+from usvjax.maps import disk
 from usvjax.maps.grid_map import GridMap
 
 # A JSON file with none of these beside a map is somebody else's file.
@@ -110,8 +111,8 @@ def _sidecar_of(content: dict[str, Any]) -> Sidecar:
             whole_number("width", content["width"], 1),
         )
     return Sidecar(
-        cell_size=arguments.positive("cell_size_m", content.get("cell_size_m", 1.0)),
-        origin=arguments.pair("origin", content.get("origin", (0.0, 0.0))),
+        cell_size=checks.positive("cell_size_m", content.get("cell_size_m", 1.0)),
+        origin=checks.pair("origin", content.get("origin", (0.0, 0.0))),
         north_first=row_0 == "north",
         shape=shape,
         name=str(content.get("name", "")),

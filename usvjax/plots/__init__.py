@@ -4,9 +4,11 @@ Nothing here is imported by ``import usvjax``; matplotlib loads with this packag
 are made without pyplot, so no window opens, no state is shared, and threads may draw at once.
 """
 
-from usvjax.plots.animation import Decision, Episode, EpisodeView, animate_episode, plot_decision
+from usvjax.plots.animation import animate_episode
 from usvjax.plots.chart import plot_chart
+from usvjax.plots.decision import Decision, Episode, EpisodeView, plot_decision
 from usvjax.plots.distributions import both_reached, plot_distributions
+from usvjax.plots.map_sheet import plot_map
 from usvjax.plots.paths import Outcome, plot_paths
 from usvjax.plots.rates import plot_success, wilson_rates
 from usvjax.plots.replays import Replay, replay
@@ -25,6 +27,7 @@ __all__ = [
     "plot_chart",
     "plot_decision",
     "plot_distributions",
+    "plot_map",
     "plot_paths",
     "plot_success",
     "replay",

@@ -3,20 +3,17 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
-from usvjax.plots import style
+from usvjax.plots import base_map, style
 from usvjax.plots.paths import clean_track
 from usvkernels.status import Status
 
 STATUS_ORDER = (*sorted(Status)[1:], Status.RUNNING)
-NICE_LENGTHS_KM = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
-_M_PER_KM = 1000.0
 
 
 @style.styled
@@ -26,7 +23,7 @@ def plot_chart(
     status: ArrayLike,
     *,
     max_paths: int = 200,
-    view: tuple[float, float, float, float] | None = None,
+    view: base_map.View | None = None,
     attribution: str | None = None,
     title: str | None = None,
 ) -> Figure:
@@ -44,31 +41,24 @@ def plot_chart(
         title: Title of the axes.
 
     Returns:
-        The figure, 170 mm wide.
+        The figure, 170 mm wide. Data coordinates are metres; the axes are labelled in
+        kilometres from 5 km up.
 
     Raises:
         BadInputError: Shapes that do not agree, an unknown status, max_paths below 1, or an
             empty view.
     """
     tracks, codes = _check(trajectories, status, max_paths)
-    west, east, south, north = grid_map.extent if view is None else view
-    if not (west < east and south < north):
+    if view is not None and not (view[0] < view[1] and view[2] < view[3]):
         raise BadInputError(f"view is {view}; (west, east, south, north) in m was wanted")
-    shape = min(max((north - south) / (east - west), 0.4), 1.3)
-    fig = style.new_figure(style.DOUBLE_MM, style.DOUBLE_MM * shape * 0.92 + 22)
-    ax = fig.subplots()
-    draw_map(ax, grid_map, _M_PER_KM)
-    ax.set(xlim=(west / _M_PER_KM, east / _M_PER_KM), ylim=(south / _M_PER_KM, north / _M_PER_KM))
+    fig, ax = base_map.new_sheet(grid_map, view)
     drawn = np.unique(np.linspace(0, len(codes) - 1, min(max_paths, len(codes))).astype(int))
     handles = _draw_tracks(ax, tracks, codes, drawn)
-    _scale_bar(ax)
-    _north_arrow(ax)
     note = f"{len(drawn):,} of {len(codes):,} episodes drawn"
     ax.set_title(style.folded(f"{title}: {note}" if title else note, 95))
-    style.map_axes(ax, "km")
-    _attribute(ax, grid_map.attribution if attribution is None else attribution)
     style.outside_legend(fig, handles, columns=len(handles))
-    return style.settle(fig)
+    source = grid_map.attribution if attribution is None else attribution
+    return base_map.finish_sheet(fig, ax, grid_map, source)
 
 
 def _check(
@@ -90,7 +80,7 @@ def _check(
 
 def detail(
     grid_map: GridMap, trajectories: ArrayLike, status: ArrayLike, width: float
-) -> tuple[float, float, float, float] | None:
+) -> base_map.View | None:
     """Choose the square in which most episodes failed, for `plot_chart`'s `view`.
 
     Args:
@@ -119,34 +109,6 @@ def detail(
     return left, min(left + width, east), bottom, min(bottom + width, north)
 
 
-def draw_map(ax: Axes, grid_map: GridMap, unit: float) -> None:
-    """Draw land, water and the shoreline between them.
-
-    Args:
-        ax: Axes to draw on; their limits become those of the map.
-        grid_map: The map.
-        unit: Metres in one unit of the axes: 1000 for axes in km.
-    """
-    land, size = grid_map.blocked, grid_map.cell_size / unit
-    west, east, south, north = (edge / unit for edge in grid_map.extent)
-    colours = ListedColormap([style.WATER, style.LAND])
-    ax.imshow(
-        land,
-        origin="lower",
-        extent=(west, east, south, north),
-        cmap=colours,
-        vmin=0,
-        vmax=1,
-        zorder=0,
-    )
-    if land.any() and not land.all():
-        x = west + size * (np.arange(land.shape[1]) + 0.5)
-        y = south + size * (np.arange(land.shape[0]) + 0.5)
-        ax.contour(x, y, land, levels=[0.5], colors=style.SHORE, linewidths=0.5, zorder=1)
-    ax.set(xlim=(west, east), ylim=(south, north))
-    ax.grid(visible=False)
-
-
 def _draw_tracks(
     ax: Axes, tracks: NDArray[np.float64], codes: NDArray[np.int64], drawn: NDArray[np.int64]
 ) -> list[Line2D]:
@@ -157,7 +119,7 @@ def _draw_tracks(
             continue
         mine = drawn[codes[drawn] == status]
         colour, marker = style.STATUS_COLOUR[status], style.STATUS_MARKER[status]
-        lines = [clean_track(tracks[i], f"{i}") / _M_PER_KM for i in mine]
+        lines = [clean_track(tracks[i], f"{i}") for i in mine]
         # Failures are what the eye should find: above the others, and larger.
         failed = status != Status.REACHED
         layer, size = (2.5, 3.2) if failed else (2.0, 2.0)
@@ -169,34 +131,3 @@ def _draw_tracks(
         label = f"{style.STATUS_LABEL[status]} {count:,} ({share:.1f} %)"
         handles.append(Line2D([], [], color=colour, marker=marker, markersize=4, label=label))
     return handles
-
-
-def _scale_bar(ax: Axes) -> None:
-    (west, east), (south, north) = ax.get_xlim(), ax.get_ylim()
-    length = max((n for n in NICE_LENGTHS_KM if n <= 0.25 * (east - west)), default=east - west)
-    x, y = west + 0.04 * (east - west), south + 0.05 * (north - south)
-    ax.plot([x, x + length], [y, y], color=style.BLACK, linewidth=2, solid_capstyle="butt")
-    ax.annotate(
-        f"{length:g} km", (x + length / 2, y), (0, 3), textcoords="offset points", ha="center"
-    )
-
-
-def _attribute(ax: Axes, text: str) -> None:
-    """Write the source of the chart small in the south-east corner."""
-    if not text:
-        return
-    box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.5}
-    mark = ax.text(0.995, 0.006, text, fontsize=6, bbox=box, zorder=5, transform=ax.transAxes)
-    mark.set(ha="right", va="bottom", color="#404040")
-
-
-def _north_arrow(ax: Axes) -> None:
-    ax.annotate(
-        "N",
-        xy=(0.965, 0.965),
-        xytext=(0.965, 0.885),
-        xycoords="axes fraction",
-        ha="center",
-        va="center",
-        arrowprops={"arrowstyle": "-|>", "color": style.BLACK, "linewidth": 0.9},
-    )

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.navigate import NavigateResult, dwa_candidates, navigate_dwa
-from usvjax.plots.animation import Decide, Episode
+from usvjax.plots.decision import Decide, Episode
 from usvjax.plots.paths import Outcome
 from usvjax.scene import set_scene
 from usvjax.study import Run

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from usvjax.errors import BadInputError
 from usvjax.plots import style
+from usvjax.plots.base_map import View
 from usvjax.plots.chart import detail, plot_chart
 from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.paths import plot_paths
@@ -147,7 +148,7 @@ def _charts(
             yield f"{name}-detail", _chart(run, found, view)
 
 
-def _chart(run: Run, found: Replay, view: tuple[float, float, float, float] | None) -> Figure:
+def _chart(run: Run, found: Replay, view: View | None) -> Figure:
     assert found.grid_map is not None
     title = found.label if found.label.startswith(run.name) else f"{run.name}, {found.label}"
     return plot_chart(

@@ -19,11 +19,12 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, find_map
 from usvjax.navigate import navigate_dwa
 from usvjax.presets import check_dwa, fit_window, preset
-from usvjax.study.fields import check_keys, did_you_mean, read_table, read_values
+from usvjax.study.fields import check_keys, read_table, read_values
 from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.waters import GridMaps, Water
 from usvjax.study.workload import Metric, Prepared
+from usvjax.suggest import did_you_mean
 from usvkernels.dwa import DwaParams, DwaStatic
 from usvkernels.status import Status
 

@@ -5,34 +5,17 @@ default silently, so every table of a study goes through `read_table`.
 """
 
 import dataclasses
-import difflib
 import types
 import typing
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.suggest import did_you_mean
 
 T = TypeVar("T")
 
 _TOML_NAMES = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
-
-
-def did_you_mean(given: str, valid: Iterable[str]) -> str:
-    """Say which valid name is nearest to `given`, or list them when none is near.
-
-    Args:
-        given: what the user wrote.
-        valid: the names that would have been right.
-
-    Returns:
-        The second half of a sentence, such as "did you mean 'radius'?".
-    """
-    names = sorted(valid)
-    near = difflib.get_close_matches(given, names, n=1, cutoff=0.5)
-    if near:
-        return f"did you mean {near[0]!r}?"
-    return f"valid: {', '.join(names)}" if names else "no name is valid here"
 
 
 def check_keys(table: Mapping[str, Any], valid: Iterable[str], where: str) -> None:

@@ -19,7 +19,7 @@ from scipy.stats import binom
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
-from usvjax.study.fields import did_you_mean
+from usvjax.suggest import did_you_mean
 
 RATE_MEANINGS = ("bernoulli", "count", "area")
 

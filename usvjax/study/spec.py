@@ -19,8 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.study.fields import check_keys, did_you_mean, read_table
+from usvjax.study.fields import check_keys, read_table
 from usvjax.study.workload import Workload, get_workload
+from usvjax.suggest import did_you_mean
 
 MAX_EPISODES = 2**31 - 1
 MAX_SEED = 2**32 - 1

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from usvjax.errors import BadInputError
-from usvjax.study.fields import did_you_mean
+from usvjax.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from usvjax.study.spec import Condition, StudySpec

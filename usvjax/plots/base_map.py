@@ -1,0 +1,214 @@
+"""The map below every chart: cells and shore, scale bar, north arrow, axes and source.
+
+Data coordinates are metres in every figure; only the labels change to kilometres.
+"""
+
+import math
+import textwrap
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.transforms import offset_copy
+from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar  # type: ignore[import-untyped]
+from numpy.typing import NDArray
+
+from usvjax.maps import GridMap
+from usvjax.plots import style
+
+View = tuple[float, float, float, float]
+"""(west, east, south, north), m; the order of `GridMap.extent`."""
+
+SHORE_ID = "shore"
+"""Artist id (`get_gid`) of the lines between land and water."""
+
+_KILOMETRES_FROM_M = 5000.0
+# Beyond this, lines between cells are finer than a pixel and only cost time.
+_MOST_EDGES = 200_000
+_SOURCE_SIZE, _SOURCE_LINES = 6.0, 3
+# Share of the width that the source may take; the scale bar may stand beside it.
+_SOURCE_SHARE = 0.65
+# Mean width of a letter in units of its font size, on the wide side.
+_LETTER = 0.6
+# Points looked at along each side of the view to find land for the scale bar.
+_SAMPLES = 60
+
+
+def new_sheet(grid: GridMap, view: View | None = None) -> tuple[Figure, Axes]:
+    """Make a figure 170 mm wide with a map on it, north up.
+
+    Args:
+        grid: The map.
+        view: The part to show; None shows the whole map.
+
+    Returns:
+        The figure and its axes, in m. Draw on them, then call `finish_sheet`.
+    """
+    west, east, south, north = view or grid.extent
+    shape = min(max((north - south) / (east - west), 0.15), 1.3)
+    fig = style.new_figure(style.DOUBLE_MM, style.DOUBLE_MM * shape * 0.92 + 22)
+    ax = fig.subplots()
+    paint_map(ax, grid)
+    ax.set(xlim=(west, east), ylim=(south, north))
+    return fig, ax
+
+
+def finish_sheet(fig: Figure, ax: Axes, grid: GridMap, source: str) -> Figure:
+    """Add scale bar, north arrow, axis labels and source to a sheet, and run its layout.
+
+    Args:
+        fig: The figure, with its title and legends.
+        ax: Its axes, with their limits.
+        grid: The map on it.
+        source: Source and licence of the map; "" writes none.
+
+    Returns:
+        The figure.
+    """
+    label_axes(ax)
+    _draw_scale(ax, grid)
+    _draw_north(fig, ax)
+    style.settle(fig)
+    draw_source(ax, source)
+    return fig
+
+
+def paint_map(ax: Axes, grid: GridMap) -> None:
+    """Paint the cells of a map and the lines between land and water.
+
+    Args:
+        ax: Axes in m; their limits become those of the map.
+        grid: The map.
+    """
+    west, east, south, north = grid.extent
+    ax.imshow(
+        grid.blocked,
+        origin="lower",
+        extent=grid.extent,
+        cmap=ListedColormap([style.WATER, style.LAND]),
+        vmin=0,
+        vmax=1,
+        interpolation="nearest",
+        zorder=0,
+    )
+    edges = _shore_edges(grid)
+    if len(edges) <= _MOST_EDGES:
+        shore = LineCollection(list(edges), colors=style.SHORE, linewidths=0.4, zorder=1)
+        shore.set(capstyle="projecting", gid=SHORE_ID)
+        ax.add_collection(shore, autolim=False)
+    ax.set(xlim=(west, east), ylim=(south, north), aspect="equal")
+    ax.grid(visible=False)
+
+
+def label_axes(ax: Axes) -> None:
+    """Label axes in metres, or in kilometres where they show 5 km or more.
+
+    Args:
+        ax: Axes in m, with their limits.
+    """
+    kilometres = _is_wide(ax)
+    scale = 1000.0 if kilometres else 1.0
+
+    def text(value: float, _: int | None) -> str:
+        # Ten digits keep 1 m apart in projected coordinates, and hide rounding.
+        return FuncFormatter.fix_minus(f"{value / scale:.10g}")
+
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(nbins="auto", steps=[1, 2, 5, 10]))
+        axis.set_major_formatter(FuncFormatter(text))
+    style.map_axes(ax, "km" if kilometres else "m")
+
+
+def draw_source(ax: Axes, text: str) -> None:
+    """Write the source of a map small in the south-east corner, folded to fit.
+
+    Args:
+        ax: Axes whose layout is settled, as the room is measured.
+        text: Source and licence; "" writes nothing.
+    """
+    if not text:
+        return
+    points = _SOURCE_SHARE * ax.get_window_extent().width * 72 / ax.figure.dpi
+    letters = max(int(points / (_LETTER * _SOURCE_SIZE)), 12)
+    note = textwrap.fill(text, letters, max_lines=_SOURCE_LINES, placeholder=" ...")
+    box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.5}
+    mark = ax.text(0.995, 0.006, note, fontsize=_SOURCE_SIZE, bbox=box, transform=ax.transAxes)
+    mark.set(ha="right", va="bottom", color="#404040", zorder=5)
+    # It lies inside the axes and must not move a layout that is settled.
+    mark.set_in_layout(False)
+
+
+def _is_wide(ax: Axes) -> bool:
+    (west, east), (south, north) = ax.get_xlim(), ax.get_ylim()
+    return max(east - west, north - south) >= _KILOMETRES_FROM_M
+
+
+def _shore_edges(grid: GridMap) -> NDArray[np.float64]:
+    """Cell edges between blocked and free cells, float[n, 2 ends, 2], m."""
+    y, x = np.nonzero(grid.blocked[:, 1:] != grid.blocked[:, :-1])
+    upright = np.stack([np.stack([x + 1, y], -1), np.stack([x + 1, y + 1], -1)], 1)
+    y, x = np.nonzero(grid.blocked[1:] != grid.blocked[:-1])
+    level = np.stack([np.stack([x, y + 1], -1), np.stack([x + 1, y + 1], -1)], 1)
+    edges: NDArray[np.float64] = np.concatenate([upright, level]) * grid.cell_size
+    return edges + np.asarray(grid.origin)
+
+
+def _draw_scale(ax: Axes, grid: GridMap) -> None:
+    west, east = ax.get_xlim()
+    length = _round_length(0.25 * (east - west))
+    text = f"{length / 1000:g} km" if length >= 1000 else f"{length:g} m"
+    bar = AnchoredSizeBar(
+        ax.transData,
+        length,
+        text,
+        _corner_of_land(ax, grid),
+        pad=0.4,
+        borderpad=0.8,
+        sep=3,
+        frameon=True,
+        size_vertical=0.0035 * (east - west),
+        color=style.BLACK,
+        fill_bar=True,
+    )
+    bar.patch.set(facecolor="white", alpha=0.75, edgecolor="none")
+    bar.set_zorder(4)
+    ax.add_artist(bar)
+
+
+def _corner_of_land(ax: Axes, grid: GridMap) -> str:
+    """Return the western corner where a scale bar hides less water.
+
+    The source stands in the south-east and the arrow in the north-east.
+    """
+    share = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+    (west, east), (south, north) = ax.get_xlim(), ax.get_ylim()
+    x, y = west + share * (east - west), south + share * (north - south)
+    land = grid.is_blocked(np.stack(np.meshgrid(x, y), axis=-1))
+    tall, wide = _SAMPLES // 10, _SAMPLES // 3
+    lower, upper = land[:tall, :wide].mean(), land[-tall:, :wide].mean()
+    return "upper left" if upper > lower else "lower left"
+
+
+def _round_length(longest: float) -> float:
+    """Return the largest of 1, 2, 5, 10, 20, ... that is no longer than `longest`."""
+    decade = 10.0 ** math.floor(math.log10(longest))
+    return max(step * decade for step in (1, 2, 5) if step * decade <= longest)
+
+
+def _draw_north(fig: Figure, ax: Axes) -> None:
+    """Draw an arrow of one size, whatever the axes."""
+    tip = offset_copy(ax.transAxes, fig, -16, -8, units="points")
+    ax.annotate(
+        "N",
+        xy=(1, 1),
+        xycoords=tip,
+        xytext=(0, -26),
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        arrowprops={"arrowstyle": "-|>", "color": style.BLACK, "linewidth": 0.9},
+        zorder=4,
+    )

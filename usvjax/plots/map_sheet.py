@@ -1,0 +1,34 @@
+"""A map by itself: land and water, true to its cells, with scale, north and source."""
+
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from usvjax.maps import GridMap
+from usvjax.plots import base_map, style
+
+
+@style.styled
+def plot_map(grid_map: GridMap, *, title: str | None = None) -> Figure:
+    """Draw a map, north up, axes in metres, or in kilometres from 5 km up.
+
+    Args:
+        grid_map: The map; `blocked` cells are land.
+        title: Title; None gives the name, size and cell size of the map.
+
+    Returns:
+        The figure, 170 mm wide. Data coordinates are metres.
+    """
+    fig, ax = base_map.new_sheet(grid_map)
+    ax.set_title(style.folded(_title_of(grid_map) if title is None else title, 95))
+    handles = [
+        Patch(facecolor=style.WATER, edgecolor=style.SHORE, label="water (free)"),
+        Patch(facecolor=style.LAND, edgecolor=style.SHORE, label="land (blocked)"),
+    ]
+    style.outside_legend(fig, handles, columns=2)
+    return base_map.finish_sheet(fig, ax, grid_map, grid_map.attribution)
+
+
+def _title_of(grid: GridMap) -> str:
+    height, width = grid.shape
+    size = f"{width} x {height} cells of {grid.cell_size:g} m"
+    return f"{grid.name}: {size}" if grid.name else size
