@@ -74,7 +74,7 @@ def heavy_tailed(episodes: int) -> Workload:
     A lattice of 5 m with 15 % obstacles of 0.3 m: about half arrive after some 19 s, others end
     in a collision or are stuck, a few wander until the bound of 60 s.
     """
-    maps = LatticeMaps(rate=0.15, hi=5, goal=(5.0, 5.0))
+    maps = LatticeMaps(rate=0.1, hi=5, goal=(5.0, 5.0))
     params = DwaParams(radius=0.3, clearance_cap=2.0)
     return _drawn(maps, np.arange(episodes), params, DwaStatic(method="improved", max_steps=600))
 

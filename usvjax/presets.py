@@ -87,6 +87,29 @@ PRESETS: dict[str, DwaPreset] = {
         horizon=120,
         max_steps=3600,
     ),
+    "lake": _preset(
+        DwaParams(
+            v_min=0.0,
+            v_max=5.0,
+            w_min=-0.05,
+            w_max=0.05,
+            v_acc=0.1,
+            v_dec=0.1,
+            w_acc=0.01,
+            w_dec=0.01,
+            v_step=0.1,
+            w_step=0.004,
+            dt=2.0,
+            clearance_cap=500.0,
+            clear_distance=500.0,
+            radius=150.0,
+            goal_tolerance=100.0,
+            stuck_distance=50.0,
+            stuck_time=200.0,
+        ),
+        "a survey vessel of 5 m/s on a chart with cells up to 200 m; weights of Tan et al. 2022",
+        max_steps=2000,
+    ),
     "pythonrobotics": _preset(
         DwaParams(
             v_min=-0.5,
@@ -119,7 +142,7 @@ PRESETS: dict[str, DwaPreset] = {
 
 
 def preset(name: str) -> DwaPreset:
-    """A parameter set by name: "tan2022", "wei2023" or "pythonrobotics".
+    """A parameter set by name: "tan2022", "wei2023", "lake" or "pythonrobotics".
 
     Raises:
       BadInputError: no such preset; names the nearest.
