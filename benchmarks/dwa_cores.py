@@ -37,8 +37,9 @@ def measure(quick: bool) -> dict[str, Any]:
 
 def devices() -> int:
     """How many devices JAX has in this process."""
-    import usvjax  # noqa: F401, gives JAX a device per core
     import jax
+
+    import usvjax  # noqa: F401, gives JAX a device per core
 
     return len(jax.devices())
 

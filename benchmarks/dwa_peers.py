@@ -32,7 +32,7 @@ EPISODES = {
     STEPWISE_32: 512,
     CLOSED: 1024,
     CLOSED_32: 1024,
-    NUMPY: 32,
+    NUMPY: 64,
     PYTHON: 2,
 }
 QUICK = {name: max(1, n // 64) for name, n in EPISODES.items()}

@@ -16,18 +16,19 @@ def seconds_of(call: Callable[[], Any]) -> float:
 
 
 def in_turns(
-    contestants: Mapping[str, Callable[[], Any]], repetitions: int = REPETITIONS
+    contestants: Mapping[str, Callable[[], Any]], repetitions: int = REPETITIONS, warm: bool = True
 ) -> dict[str, dict[str, Any]]:
     """Time contestants in alternation, so that a slow minute of the machine hits all of them.
 
     Args:
         contestants: by name; each call must not return before its result is there.
-        repetitions: timed calls of each, after one that warms up and compiles.
+        repetitions: timed calls of each.
+        warm: call each once before, to warm up and compile.
 
     Returns:
-        Per name: "seconds" (of each timed call), "median" and "first" (of the warm-up).
+        Per name: "seconds" (of each timed call), "median" and "first" (of the warm-up, or None).
     """
-    first = {name: seconds_of(call) for name, call in contestants.items()}
+    first = {name: seconds_of(call) if warm else None for name, call in contestants.items()}
     seconds: dict[str, list[float]] = {name: [] for name in contestants}
     for _ in range(repetitions):
         for name, call in contestants.items():

@@ -224,9 +224,7 @@ def _rounded(rows: int) -> int:
     return -(-rows // ROOM) * ROOM
 
 
-def _call(
-    pieces: Sequence[_Piece], static: DwaStatic, recorded: bool = False
-) -> uj.NavigateResult:
+def _call(pieces: Sequence[_Piece], static: DwaStatic, recorded: bool = False) -> uj.NavigateResult:
     """Sail the episodes of all pieces at once."""
     rows = max(_rounded(piece.scenarios.obstacles.shape[1]) for piece in pieces)
     common = pieces[0].run.params

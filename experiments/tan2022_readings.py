@@ -40,7 +40,7 @@ class Reading:
         cap: largest dist that counts, m.
         cap_in_radii: the same as a multiple of the obstacle radius; the smaller one holds.
         clear_distance: dist where no obstacle counts, m; never more than the cap.
-        clearance, normalise, when_blocked: see `usvkernels.dwa.DwaStatic`.
+        clearance, normalise, when_blocked, braking: see `usvkernels.dwa.DwaStatic`.
         v_min: m/s; Table 1 prints -1.
         search_angle: phi, rad.
         goal_tolerance: m.
@@ -58,6 +58,7 @@ class Reading:
     clearance: str = "endpoint"
     normalise: str = "sum"
     when_blocked: str = "brake"
+    braking: bool = True
     v_min: float = -1.0
     search_angle: float = pi / 3
     goal_tolerance: float = 0.5
@@ -106,6 +107,7 @@ class Reading:
             clearance=self.clearance,
             normalise=self.normalise,
             when_blocked=self.when_blocked,
+            braking=self.braking,
         )
 
 

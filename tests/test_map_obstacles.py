@@ -1,6 +1,5 @@
 """Obstacles of a grid: scaling each about its centre, and the table of nearest shoreline."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

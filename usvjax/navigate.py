@@ -98,7 +98,8 @@ def navigate_dwa(
         farther than 500 km, are padding. Or a `GridMap` shared by all: every blocked cell on
         the shoreline is an obstacle, and `params.radius` must cover a cell.
       starts: float[B, 3], x (m), y (m), psi (rad), at rest; or float[3].
-      goals: float[B, 2] (m); or float[2], shared.
+      goals: float[B, 2] (m); or float[2], shared. Coordinates stay below 200 km (single
+        precision): subtract a local origin from UTM coordinates.
       params: defaults to Tan's Table 1. A leaf may be float[B], one value per episode.
       static: choices of method; its n_v and n_w must hold the window of `params`.
       valid: bool[B, K] (or bool[K]), False masks an obstacle.

@@ -132,7 +132,7 @@ PRESETS: dict[str, DwaPreset] = {
             goal_tolerance=1.0,
         ),
         "the dynamic window demo of PythonRobotics: a circular robot of 1 m among point obstacles",
-        clearance="trajectory",
+        clearance="trajectory_and_start",
         clearance_score="reciprocal",
         normalise="none",
         braking=False,
@@ -153,7 +153,7 @@ def preset(name: str) -> DwaPreset:
 
 _CHOICES: dict[str, tuple[str, ...]] = {
     "method": ("traditional", "improved"),
-    "clearance": ("endpoint", "trajectory"),
+    "clearance": ("endpoint", "trajectory", "trajectory_and_start"),
     "clearance_score": ("distance", "reciprocal"),
     "normalise": ("sum", "range", "none"),
     "when_blocked": ("brake", "turn"),

@@ -11,10 +11,14 @@ from usvjax.checks import float_array
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, obstacle_table
 from usvjax.presets import check_dwa
-from usvkernels.dwa import FAR, DwaParams, DwaStatic
+from usvkernels.clearance import FAR
+from usvkernels.dwa import DwaParams, DwaStatic
 from usvkernels.episodes import Charted, Jobs
 
 ROWS_AT_ONCE = 8192  # of a check that would need an array of all rows times all obstacles
+
+MOST_REMOTE = 2e5
+"""Largest coordinate (m) of a vessel: there, single precision resolves 16 mm."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,8 @@ def set_scene(
     count = max(len(start), len(goal), maps, sets)
     check_dwa(params, static, count)
     start, goal = _repeat("starts", start, count), _repeat("goals", goal, count)
+    for name, points in (("starts", start[:, :2]), ("goals", goal)):
+        _refuse_remote(name, points - (obstacles.origin if on_map else 0.0))
     if on_map:
         return _on_chart(obstacles, valid, start, goal, params, static, sensing_range)
     return _among_circles(obstacles, valid, start, goal, params, sensing_range)
@@ -82,6 +88,16 @@ def _repeat(name: str, rows: np.ndarray, count: int) -> np.ndarray:
     if len(rows) not in (1, count):
         raise BadInputError(f"{name}: got {len(rows)} rows; wanted {count}, one per episode")
     return np.broadcast_to(rows, (count, rows.shape[1]))
+
+
+def _refuse_remote(name: str, points: np.ndarray) -> None:
+    remote = np.abs(points).max(axis=1) > MOST_REMOTE
+    if remote.any():
+        row = int(np.argmax(remote))
+        raise BadInputError(
+            f"{name}: episode {row} lies at ({points[row, 0]:g}, {points[row, 1]:g}) m; single "
+            f"precision wants coordinates below {MOST_REMOTE:g} m: subtract a local origin"
+        )
 
 
 def _among_circles(

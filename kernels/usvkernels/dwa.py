@@ -5,7 +5,6 @@ over contiguous lanes whatever the candidate or obstacle. A decision costs two s
 the eleven headings and chords of the window follow by rotations.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -14,20 +13,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from usvkernels.clearance import FAR, Scalar, fold_blocks, in_sector, nearest_squared
 from usvkernels.trig import angle_between, sincos
 from usvkernels.vessel import Complex, complex_product, geometric_sum
 
-Scalar = Array | float
-"""One number, or one per lane."""
-
-FAR = 1e6
-"""Coordinate (m) that pads obstacle rows; what lies beyond FAR / 2 of a point is no obstacle."""
-
 SLACK = 1e-3
 """Share of a candidate's step by which rounding may carry it past an edge."""
-
-UNROLLED_OBSTACLES = 64
-"""Up to this many obstacles the running minimum is unrolled; more go in blocks of this size."""
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -71,7 +62,7 @@ class DwaStatic:
       n_v, n_w: candidates along speed and yaw rate.
       horizon: Euler steps of the predicted trajectory; t_sim = horizon * dt.
       clearance: "endpoint" (at the predicted position, as in Tan's Fig. 1) or "trajectory"
-        (the least over all predicted positions).
+        (the least over all predicted positions) or "trajectory_and_start" (the present one too).
       clearance_score: "distance", or "reciprocal": minus one over the distance to the centre.
       normalise: "sum" (by the sum of magnitudes over the admissible candidates), "range"
         (to 0..1 between the worst and the best) or "none".
@@ -121,10 +112,6 @@ class Candidates:
     clearance: Array  # float[n_v, n_w, lanes], m, capped
     admissible: Array  # bool[n_v, n_w, lanes]
     score: Array  # float[n_v, n_w, lanes], -inf where not admissible
-
-
-Fold = Callable[[Array, Array], Array]
-"""From obstacles [2, block, lanes] and a running minimum to the new running minimum."""
 
 
 @dataclass(frozen=True)
@@ -182,34 +169,6 @@ def _predict(params: DwaParams, static: DwaStatic, psi: Array, w_j: Array) -> _F
     return _Fan(chord, heading, first, turn)
 
 
-def _in_sector(offset: Complex, ahead: Complex, params: DwaParams) -> Array:
-    """Whether an obstacle's circle meets the search sector at P (Tan et al. 2022, Fig. 1).
-
-    That is, whether its centre, at `offset` from P, is within the radius of the sector: by its
-    distance from the nearer ray (not above 0 inside the sector), where the foot lies on the
-    ray, or from P itself.
-    """
-    sin, cos = sincos(params.search_angle)
-    along = offset[0] * ahead[0] + offset[1] * ahead[1]
-    across = jnp.abs(offset[0] * ahead[1] - offset[1] * ahead[0])
-    from_ray = across * cos - along * sin
-    foot_on_ray = along * cos + across * sin > 0.0
-    touches_p = offset[0] * offset[0] + offset[1] * offset[1] <= params.radius * params.radius
-    near_ray = (from_ray <= params.radius) & foot_on_ray
-    return (from_ray <= 0.0) | near_ray | touches_p
-
-
-def _nearest(obstacles: Array, point: Complex, counted: list[Array] | None, least: Array) -> Array:
-    """Running minimum of the squared distance from `point` to the obstacles [2, block, lanes]."""
-    for k in range(obstacles.shape[1]):
-        east, north = obstacles[0, k] - point[0], obstacles[1, k] - point[1]
-        squared = east * east + north * north
-        if counted is not None:
-            squared = jnp.where(counted[k], squared, jnp.inf)
-        least = jnp.minimum(least, squared)
-    return least
-
-
 def _nearest_along(
     obstacles: Array,
     v_i: Array,
@@ -219,7 +178,10 @@ def _nearest_along(
     dt: Scalar,
     least: Array,
 ) -> Array:
-    """As `_nearest`, over all positions of the predicted trajectory instead of its end."""
+    """As `nearest_squared`, over all positions of the predicted trajectory instead of its end."""
+    if static.clearance == "trajectory_and_start":
+        still = jnp.zeros_like(v_i[:, None] * fan.chord[0])
+        least = nearest_squared(obstacles, (still, still), counted, least)
 
     def advance(_: int, carry: tuple[Complex, Complex, Array]) -> tuple[Complex, Complex, Array]:
         chord, direction, least = carry
@@ -228,7 +190,7 @@ def _nearest_along(
         return (
             chord,
             complex_product(direction, fan.turn),
-            _nearest(obstacles, point, counted, least),
+            nearest_squared(obstacles, point, counted, least),
         )
 
     origin = (jnp.zeros_like(fan.first[0]), jnp.zeros_like(fan.first[1]))
@@ -261,41 +223,21 @@ def _clearance(
         counted = None
         if static.method == "improved":
             counted = [
-                _in_sector((block[0, k] - end[0], block[1, k] - end[1]), ahead, params)
+                in_sector(
+                    (block[0, k] - end[0], block[1, k] - end[1]),
+                    ahead,
+                    params.search_angle,
+                    params.radius,
+                )
                 for k in range(block.shape[1])
             ]
         if static.clearance == "endpoint":
-            return _nearest(block, end, counted, least)
+            return nearest_squared(block, end, counted, least)
         return _nearest_along(block, v_i, fan, counted, static, params.dt, least)
 
-    nearest = _fold_blocks(fold, obstacles, jnp.full_like(end[0], jnp.inf))
+    nearest = fold_blocks(fold, obstacles, jnp.full_like(end[0], jnp.inf))
     dist = jnp.where(nearest < FAR / 2, nearest - params.radius, params.clear_distance)
     return jnp.minimum(dist, params.clearance_cap)
-
-
-def _fold_blocks(fold: Fold, obstacles: Array, least: Array) -> Array:
-    """Fold obstacles [2, K, lanes] into `least`, in blocks where K is large; its square root.
-
-    The root is taken here because XLA computes a root once, but a chain of minima anew in each
-    of its users: with two users a decision takes 2.5 times as long.
-    """
-    count = obstacles.shape[1]
-    if count <= UNROLLED_OBSTACLES:
-        return jnp.sqrt(fold(obstacles, least))
-    blocks = -(-count // UNROLLED_OBSTACLES)
-    padding = blocks * UNROLLED_OBSTACLES - count
-    padded = jnp.pad(obstacles, ((0, 0), (0, padding), (0, 0)), constant_values=FAR)
-    split = padded.reshape(2, blocks, UNROLLED_OBSTACLES, -1).swapaxes(0, 1)
-    return jnp.sqrt(jax.lax.scan(lambda m, block: (fold(block, m), None), least, split)[0])
-
-
-def nearest_distance(obstacles: Array, x: Array, y: Array) -> Array:
-    """Distance (m), float[lanes], from x, y to the nearest centre of obstacles [2, K, lanes]."""
-
-    def fold(block: Array, least: Array) -> Array:
-        return _nearest(block, (x, y), None, least)
-
-    return _fold_blocks(fold, obstacles, jnp.full_like(x, jnp.inf))
 
 
 def candidates(
@@ -376,11 +318,26 @@ def _normalised(static: DwaStatic, parts: Array, admissible: Array) -> Array:
     if static.normalise == "none":
         return parts
     if static.normalise == "sum":
-        total = jnp.sum(jnp.where(admissible, jnp.abs(parts), 0.0), axis=(1, 2))
+        total = _sum_in_order(jnp.where(admissible, jnp.abs(parts), 0.0))
         return parts * jnp.where(total > 0.0, 1.0 / total, 0.0)[:, None, None]
     low = jnp.min(jnp.where(admissible, parts, jnp.inf), axis=(1, 2))[:, None, None]
     high = jnp.max(jnp.where(admissible, parts, -jnp.inf), axis=(1, 2))[:, None, None]
     return (parts - low) * jnp.where(high > low, 1.0 / (high - low), 0.0)
+
+
+def _sum_in_order(values: Array) -> Array:
+    """Sum [3, n_v, n_w, lanes] over the candidates, always in the same order.
+
+    XLA's reduction picks its order by the number of lanes, and one job in a thousand then ends
+    another way in 1,024 lanes than in 256.
+    """
+
+    def add(j: Array, total: Array) -> Array:
+        for i in range(values.shape[1]):
+            total = total + values[:, i, j]
+        return total
+
+    return jax.lax.fori_loop(0, values.shape[2], add, jnp.zeros_like(values[:, 0, 0]))
 
 
 def choose(found: Candidates) -> tuple[Array, Array]:

@@ -7,7 +7,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from usvkernels.dwa import FAR, DwaParams, DwaStatic, Motion, decide, nearest_distance
+from usvkernels.clearance import FAR, nearest_distance
+from usvkernels.dwa import DwaParams, DwaStatic, Motion, decide
 from usvkernels.lanes import Program
 from usvkernels.status import Status
 from usvkernels.vessel import unicycle_step

@@ -30,8 +30,9 @@ def wrap_angle(angle: Array) -> Array:
     """Wrap angles (rad, any shape) to [-pi, pi)."""
     two_pi = 2.0 * jnp.pi
     wrapped = angle - two_pi * jnp.floor((angle + jnp.pi) / two_pi)
-    # Rounding can land on +pi itself; the interval is half open.
-    return jnp.where(wrapped >= jnp.pi, wrapped - two_pi, wrapped)
+    # Rounding can land on +pi itself, or just below -pi; the interval is half open.
+    wrapped = jnp.where(wrapped >= jnp.pi, wrapped - two_pi, wrapped)
+    return jnp.maximum(wrapped, -jnp.pi)
 
 
 def sincos(angle: Array | float) -> tuple[Array, Array]:

@@ -1,0 +1,109 @@
+"""Lanes that take a new job when theirs has ended, against lanes that wait for each other."""
+
+from functools import partial
+from typing import Any
+
+import jax
+import numpy as np
+
+from benchmarks.markdown import table
+from benchmarks.timing import in_turns, spread
+from benchmarks.workloads import Workload, heavy_tailed
+from usvjax.devices import COMPILER_OPTIONS
+from usvjax.navigate import CHUNK
+from usvjax.scene import set_scene
+from usvkernels import episodes, lanes
+from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.episodes import Jobs, Outcome
+
+TITLE = "lanes refilled against lanes that wait"
+WIDTHS = (64, 128, 256, 512)
+
+
+def measure(quick: bool) -> dict[str, Any]:
+    """Run the same episodes with and without refill, on one device."""
+    work = heavy_tailed(64 if quick else 2048)
+    widths = tuple(n // 16 for n in WIDTHS) if quick else WIDTHS
+    jobs = jax.device_put(_jobs(work), jax.devices()[0])
+    usage: dict[str, lanes.Usage] = {}
+    steps: dict[str, np.ndarray] = {}
+
+    def sail(name: str, width: int, refill: bool) -> None:
+        outcome, usage[name] = jax.block_until_ready(
+            _run(jobs, work.params, work.static, width=width, refill=refill)
+        )
+        steps[name] = np.asarray(outcome.steps)
+
+    contestants = {
+        f"{width} {'refilled' if refill else 'waiting'}": (width, refill)
+        for width in widths
+        for refill in (True, False)
+    }
+    timed = in_turns({name: partial(sail, name, *how) for name, how in contestants.items()})
+    first = next(iter(steps.values()))
+    for name, times in timed.items():
+        if not np.array_equal(steps[name], first):
+            raise RuntimeError(f"{name}: episodes differ from those of {next(iter(steps))}")
+        times["occupancy"] = float(usage[name].busy / usage[name].total)
+    quantiles = np.quantile(first, [0.1, 0.5, 0.9, 0.99, 1.0]).tolist()
+    lengths = {"mean": float(first.mean()), "quantiles": quantiles}
+    return {"episodes": len(work), "lengths": lengths, "widths": widths, "timed": timed}
+
+
+def _jobs(work: Workload) -> Jobs:
+    scene = set_scene(
+        work.obstacles, work.starts, work.goals, work.valid, work.params, work.static, None
+    )
+    return scene.rows(np.arange(len(work)))
+
+
+@partial(jax.jit, static_argnames=("static", "width", "refill"), compiler_options=COMPILER_OPTIONS)
+def _run(
+    jobs: Jobs, params: DwaParams, static: DwaStatic, width: int, refill: bool
+) -> tuple[Outcome, lanes.Usage]:
+    count = jobs.start.shape[0]
+    return lanes.run(
+        episodes.program(jobs, params, static),
+        count,
+        capacity=count,
+        lanes=width,
+        chunk=CHUNK,
+        max_steps=static.max_steps,
+        refill=refill,
+    )
+
+
+def report(found: dict[str, Any]) -> str:
+    """Say it in Markdown."""
+    rows = []
+    for width in found["widths"]:
+        refilled, waiting = (found["timed"][f"{width} {how}"] for how in ("refilled", "waiting"))
+        rows.append(
+            (
+                width,
+                f"{refilled['occupancy']:.0%}",
+                f"{waiting['occupancy']:.0%}",
+                f"{refilled['median']:.2f}",
+                f"{waiting['median']:.2f}",
+                f"{waiting['median'] / refilled['median']:.2f}",
+                "; ".join(spread(times["seconds"]) for times in (refilled, waiting)),
+            )
+        )
+    best = min(found["timed"].items(), key=lambda item: item[1]["median"])[0]
+    lengths = found["lengths"]
+    tail = ", ".join(f"{q:.0f}" for q in lengths["quantiles"])
+    header = (
+        "lanes",
+        "occupancy refilled",
+        "waiting",
+        "s refilled",
+        "s waiting",
+        "gain",
+        "timings",
+    )
+    return (
+        f"{found['episodes']:,} episodes of dwa_scaling on one device, mean length "
+        f"{lengths['mean']:.0f} decisions (10, 50, 90, 99, 100 %: {tail}); refills every {CHUNK} "
+        "steps. Waiting lanes take new jobs when all of them have ended. Results are equal. "
+        f"Fastest: {best}.\n\n" + table(header, rows)
+    )
