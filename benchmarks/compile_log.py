@@ -12,32 +12,41 @@ from typing import Any
 
 import jax.monitoring
 
-import usvjax  # noqa: F401, before JAX, to which it gives a device per core
+import usvjax  # noqa: F401, gives JAX a device per core
 
-_WORK = ("/jax/core/compile/", "/jax/compilation_cache/")
+_EVENTS = {
+    "/jax/core/compile/jaxpr_trace_duration": "trace_seconds",
+    "/jax/core/compile/jaxpr_to_mlir_module_duration": "lower_seconds",
+    "/jax/core/compile/backend_compile_duration": "compile_or_load_seconds",
+}
 
 
 class CompileLog:
-    """Listens to JAX from when it is made; stretches that overlap count once."""
+    """Listens to JAX from when it is made; stretches of several threads that overlap count once."""
 
     def __init__(self) -> None:
-        self._stretches: list[tuple[float, float]] = []
-        self._programs = 0
+        self._stretches: dict[str, list[tuple[float, float]]] = {k: [] for k in _EVENTS.values()}
         jax.monitoring.register_event_duration_secs_listener(self._note)
 
-    def _note(self, event: str, seconds: float, **_: Any) -> None:
-        if event.startswith(_WORK) and event.endswith(("_duration", "_time_sec")):
+    def _note(self, event: str, duration_secs: float, **_: Any) -> None:
+        if event in _EVENTS:
             now = time.perf_counter()
-            self._stretches.append((now - seconds, now))
-        self._programs += event.endswith("backend_compile_duration")
+            self._stretches[_EVENTS[event]].append((now - duration_secs, now))
 
     def spent(self) -> dict[str, float]:
-        """Seconds in which at least one thread was at it, and how many programs it was."""
-        total, until = 0.0, 0.0
-        for start, end in sorted(self._stretches):
-            total += max(0.0, end - max(start, until))
-            until = max(until, end)
-        return {"compile_seconds": total, "programs": self._programs}
+        """Seconds in which at least one thread was at it, each kind apart, and of programs."""
+        kinds = {name: _covered(stretches) for name, stretches in self._stretches.items()}
+        everything = _covered([one for several in self._stretches.values() for one in several])
+        programs = len(self._stretches["compile_or_load_seconds"])
+        return {"preparing_seconds": everything, "programs": programs, **kinds}
+
+
+def _covered(stretches: list[tuple[float, float]]) -> float:
+    total, until = 0.0, 0.0
+    for start, end in sorted(stretches):
+        total += max(0.0, end - max(start, until))
+        until = max(until, end)
+    return total
 
 
 def _main() -> int:

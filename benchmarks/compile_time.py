@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.compile_log import CompileLog
 from benchmarks.markdown import table, verdict
-from benchmarks.processes import FreshProcess
+from benchmarks.processes import FreshProcess, environment
 from benchmarks.timing import seconds_of
 from benchmarks.workloads import heavy_tailed, of_method
 from usvjax.devices import use_compilation_cache
@@ -97,8 +97,9 @@ def _study(cache: Path) -> dict[str, float]:
         log = folder / "log.json"
         command = [sys.executable, "-m", "benchmarks.compile_log", str(log)]
         command += ["study", str(folder / "tiny.toml"), "--out", name, "--quiet"]
-        quiet = {"stdout": subprocess.DEVNULL, "check": True}
-        seconds = seconds_of(partial(subprocess.run, command, **quiet))
+        variables = environment({"XDG_CACHE_HOME": str(cache)})
+        run = partial(subprocess.run, command, stdout=subprocess.DEVNULL, env=variables, check=True)
+        seconds = seconds_of(run)
         return {**json.loads(log.read_text()), "first_call": seconds}
 
 
@@ -110,11 +111,11 @@ def report(found: dict[str, Any]) -> str:
 
     rows = []
     for name in found:
-        cells = [f"{median(name, start, 'compile_seconds'):.2f}" for start in STARTS]
+        cells = [f"{median(name, start, 'preparing_seconds'):.2f}" for start in STARTS]
         cells += [f"{median(name, start, 'first_call'):.2f}" for start in STARTS]
         programs = f"{median(name, STARTS[0], 'programs'):.0f}"
         rows.append((name, *cells, programs))
-    second = median(STUDY, STARTS[1], "compile_seconds")
+    second = median(STUDY, STARTS[1], "preparing_seconds")
     header = ("entry", "compile s, first", "second", "first call s, first", "second", "programs")
     return (
         "Seconds in which the process traces, compiles or loads programs (stretches in several "

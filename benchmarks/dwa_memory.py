@@ -62,10 +62,8 @@ def report(found: dict[str, Any]) -> str:
     rows, verdicts = [], []
     for name, by_size in found.items():
         sizes = list(by_size)
-        peaks = [by_size[size]["peak"] for size in sizes]
-        before = [by_size[size]["before"] for size in sizes]
-        ratio = peaks[-1] / peaks[0]
-        cells = [f"{peak / MIB:,.0f} ({was / MIB:,.0f})" for peak, was in zip(peaks, before)]
+        ratio = by_size[sizes[-1]]["peak"] / by_size[sizes[0]]["peak"]
+        cells = [f"{m['peak'] / MIB:,.0f} ({m['before'] / MIB:,.0f})" for m in by_size.values()]
         rows.append((name, *cells, f"{ratio:.2f}"))
         verdicts.append(verdict(f"{name}: {ratio:.2f}x, at most {BAR}x", ratio <= BAR))
     header = ("", *(f"{int(size):,} episodes, MiB" for size in sizes), "ratio")

@@ -1,5 +1,6 @@
 """Whether the kernel chooses the candidates that float64 NumPy chooses."""
 
+import importlib
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from benchmarks.markdown import table, verdict
 from benchmarks.peers import Settings, dwa_numpy
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
-from dwa_situations import FAMILIES, enable_x64, kernel, situations
+cases = importlib.import_module("dwa_situations")
 
 TITLE = "the same decisions as the oracle"
 METHODS = ("traditional", "improved")
@@ -39,11 +40,11 @@ def measure(quick: bool) -> dict[str, Any]:
 
 
 def _block(settings: Settings, seed: int) -> dict[str, dict[str, Any]]:
-    case = situations(np.random.default_rng(seed), BLOCK, OBSTACLES, settings)
+    case = cases.situations(np.random.default_rng(seed), BLOCK, OBSTACLES, settings)
     oracle = dwa_numpy.decide(case.states, case.obstacles, case.goals, settings, case.valid)
-    found = {"float32": _compare(kernel(settings, case), oracle)}
-    with enable_x64():
-        found["float64"] = _compare(kernel(settings, case), oracle)
+    found = {"float32": _compare(cases.kernel(settings, case), oracle)}
+    with cases.enable_x64():
+        found["float64"] = _compare(cases.kernel(settings, case), oracle)
     return found
 
 
@@ -82,7 +83,7 @@ def report(found: dict[str, Any]) -> str:
             rows.append((f"{method}, {precision}", share, *cells, f"{one['largest_tie']:.0e}"))
     header = ("kernel", "same candidate", "another", "tie", "edge", "neither", "widest tie")
     return (
-        f"{count:,} random situations per method ({', '.join(FAMILIES)}), up to {OBSTACLES} "
+        f"{count:,} random situations per method ({', '.join(cases.FAMILIES)}), up to {OBSTACLES} "
         "obstacles, against NumPy in float64. Another candidate is a tie where the oracle's two "
         f"scores differ by at most {TIE:g} of themselves, an edge where one of its yes/no "
         f"questions is within {EDGE:g} of the other answer.\n\n"

@@ -34,13 +34,12 @@ class FreshProcess:
             cores: how many of the usable cores to bind it to; all when None.
             variables: environment variables to set.
         """
-        environment = {k: v for k, v in os.environ.items() if k not in _NOT_INHERITED}
         command = [sys.executable, "-m", "benchmarks.processes", str(cores or 0)]
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            env={**environment, **(variables or {})},
+            env=environment(variables),
         )
 
     def __enter__(self) -> "FreshProcess":
@@ -78,6 +77,12 @@ class FreshProcess:
         if not worked:
             raise ProcessFailedError(f"{name}:\n{answer}")
         return answer
+
+
+def environment(variables: Mapping[str, str] | None = None) -> dict[str, str]:
+    """The environment of this process for another one, with some variables set."""
+    inherited = {k: v for k, v in os.environ.items() if k not in _NOT_INHERITED}
+    return {**inherited, **(variables or {})}
 
 
 def peak_memory() -> int:

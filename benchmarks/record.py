@@ -33,7 +33,7 @@ def run(name: str, quick: bool) -> dict[str, Any]:
     load, began = os.getloadavg()[0], time.perf_counter()
     found = module.measure(quick)
     seconds = round(time.perf_counter() - began, 1)
-    note = f"{date.today()}, {seconds:.0f} s, load average {load:.1f} before it."
+    note = f"{date.today()}, {seconds:.0f} s on {_devices()}, load average {load:.1f} before it."
     section = f"## {name}: {module.TITLE}\n\n{module.report(found)}\n\n{note}\n"
     found = {"name": name, "section": section, "found": found, "seconds": seconds, "load": load}
     return found | {"quick": quick}
@@ -76,11 +76,21 @@ def machine() -> str:
     versions = ", ".join(f"{name} {_version(name)}" for name in PACKAGES)
     return "\n".join(
         [
-            f"- Machine: {_processor()}, {cores} cores, {memory:.0f} GiB, CPU only",
+            f"- Machine: {_processor()}, {cores} cores, {memory:.0f} GiB",
             f"- System: {platform.system()} {platform.release()}, {platform.machine()}",
             f"- Software: Python {platform.python_version()}, {versions}",
         ]
     )
+
+
+def _devices() -> str:
+    """What JAX computes on, as "2 cpu devices"."""
+    import jax
+
+    import usvjax  # noqa: F401, gives JAX a device per core
+
+    found = jax.devices()
+    return f"{len(found)} {found[0].device_kind} device{'s' if len(found) > 1 else ''}"
 
 
 def _version(name: str) -> str:

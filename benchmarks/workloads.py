@@ -30,8 +30,13 @@ class Workload:
 
     def rows(self, index: slice | np.ndarray) -> "Workload":
         """Some of the episodes."""
-        parts = {k: getattr(self, k)[index] for k in ("obstacles", "valid", "starts", "goals")}
-        return replace(self, **parts)
+        return replace(
+            self,
+            obstacles=self.obstacles[index],
+            valid=self.valid[index],
+            starts=self.starts[index],
+            goals=self.goals[index],
+        )
 
     def sail(self, max_lanes: int = 256) -> NavigateResult:
         """Run the episodes as a user does; returns once the results are on the host."""
@@ -61,11 +66,7 @@ def fixed_length(episodes: int, methods: tuple[str, ...]) -> Workload:
         for method in methods:
             lasting &= of_method(block, method).sail().status == int(Status.TIMED_OUT)
         found.append(block.rows(lasting))
-    parts = {
-        k: np.concatenate([getattr(block, k) for block in found])[:episodes]
-        for k in ("obstacles", "valid", "starts", "goals")
-    }
-    return replace(found[0], **parts)
+    return _joined(found).rows(slice(episodes))
 
 
 def heavy_tailed(episodes: int) -> Workload:
@@ -82,6 +83,16 @@ def heavy_tailed(episodes: int) -> Workload:
 def of_method(work: Workload, method: str) -> Workload:
     """The same episodes for one of the two methods."""
     return replace(work, static=replace(work.static, method=method))
+
+
+def _joined(parts: list[Workload]) -> Workload:
+    return replace(
+        parts[0],
+        obstacles=np.concatenate([part.obstacles for part in parts]),
+        valid=np.concatenate([part.valid for part in parts]),
+        starts=np.concatenate([part.starts for part in parts]),
+        goals=np.concatenate([part.goals for part in parts]),
+    )
 
 
 def _drawn(maps: LatticeMaps, jobs: np.ndarray, params: DwaParams, static: DwaStatic) -> Workload:

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -228,7 +229,7 @@ def _call(pieces: Sequence[_Piece], static: DwaStatic, recorded: bool = False) -
     """Sail the episodes of all pieces at once."""
     rows = max(_rounded(piece.scenarios.obstacles.shape[1]) for piece in pieces)
     common = pieces[0].run.params
-    swept = {
+    swept: dict[str, Any] = {
         name: np.concatenate(
             [np.full(len(piece), float(getattr(piece.run.params, name))) for piece in pieces]
         )

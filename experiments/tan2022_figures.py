@@ -19,6 +19,7 @@ from usvjax.plots import style
 
 DPI = 130
 METRICS_DRAWN = ("time", "path_length")
+_BAR: dict[str, Any] = {"markersize": 3.5, "elinewidth": 0.9, "capsize": 2}
 
 
 def draw_maps(shown: Sequence[Shown], results: Results, name: str, folder: Path) -> list[Path]:
@@ -91,9 +92,7 @@ def draw_paired(
         for place, i in enumerate(single)
         for j, case in enumerate(CASES)
     }
-    figure = plots.plot_success(
-        pl.concat(shifted), labels=names, title=f"How {plan.maps:,} episodes each ended"
-    )
+    figure = plots.plot_success(pl.concat(shifted), labels=names, title="Paired maps")
     return [*files, plots.save(figure, folder / "endings.png", dpi=DPI)]
 
 
@@ -137,6 +136,9 @@ def cap_figure(rows: Sequence[Mapping[str, Any]], caps: Mapping[str, str]) -> Fi
         ticks = [caps[r["reading"]] for r in chosen]
         axes[1, column].set_xticks(range(len(ticks)), ticks)
         axes[1, column].set_xlabel("cap on dist (m)")
+    for row in axes:
+        # The columns share this axis, so only now is known how far it has to go.
+        row[0].set_ylim(bottom=0.0)
     axes[0, 0].set_ylabel("time ratio,\nimproved / traditional")
     axes[1, 0].set_ylabel("success (%)")
     looks = style.method_looks(METHODS)
@@ -160,10 +162,7 @@ def _draw_ratio(ax: Axes, rows: Sequence[Mapping[str, Any]], place: int) -> None
             spread = None
             if None not in ends:
                 spread = np.abs(np.subtract(ends, ratio["value"]))[:, None]
-            ax.errorbar(
-                [x], [ratio["value"]], yerr=spread, color=style.BLACK, marker="D", markersize=3.5,
-                elinewidth=0.9, capsize=2,
-            )  # fmt: skip
+            ax.errorbar([x], [ratio["value"]], yerr=spread, color=style.BLACK, marker="D", **_BAR)
         ax.annotate(
             f"n={row['both']}",
             (x, 0.0),
@@ -173,10 +172,9 @@ def _draw_ratio(ax: Axes, rows: Sequence[Mapping[str, Any]], place: int) -> None
             ha="center",
             fontsize=6,
         )
-    times = (TABLE4.values[method, "time"][place] for method in ("improved", "traditional"))
-    ax.axhline(np.divide(*times), color=style.VERMILLION, linestyle="--", linewidth=1.0)
+    old, new = (TABLE4.values[method, "time"][place] for method in METHODS)
+    ax.axhline(new / old, color=style.VERMILLION, linestyle="--", linewidth=1.0)
     ax.axhline(1.0, color=style.GREY, linewidth=0.6)
-    ax.set_ylim(bottom=0.0)
 
 
 def _draw_success(ax: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -188,8 +186,11 @@ def _draw_success(ax: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
             100.0 * np.array([rate[key] for rate in rates]) for key in ("value", "low", "high")
         )
         ax.errorbar(
-            np.arange(len(rows)) + shift, value, yerr=np.maximum([value - low, high - value], 0.0),
-            color=looks[method].colour, linestyle="", marker=looks[method].marker, markersize=3.5,
-            elinewidth=0.9, capsize=2,
-        )  # fmt: skip
-    ax.set_ylim(bottom=0.0)
+            np.arange(len(rows)) + shift,
+            value,
+            yerr=np.maximum([value - low, high - value], 0.0),
+            color=looks[method].colour,
+            marker=looks[method].marker,
+            linestyle="",
+            **_BAR,
+        )

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 
 from experiments.tan2022_episodes import Episodes, Plan, Results
-from experiments.tan2022_published import METHODS, METRICS
+from experiments.tan2022_published import METHODS, METRICS, RADII, TABLE4
 from experiments.tan2022_readings import CASES, Case, Reading
 from experiments.tan2022_tables import per_map_change
 from usvjax.study.statistics import (
@@ -80,6 +80,9 @@ def _case(comparison: Comparison, results: Results, plan: Plan, case: Case) -> d
         "success": asdict(paired_rates(new.reached, old.reached, LEVEL)),
         "both": int(both.sum()),
         "metrics": _metrics(old.table(both), new.table(both), plan.seed),
+        "as_much_as_published": _as_much(
+            old.table(both), new.table(both), RADII.index(case.radius)
+        ),
     }
 
 
@@ -113,6 +116,15 @@ def _metrics(old: np.ndarray, new: np.ndarray, seed: int) -> dict[str, Any]:
             "p_wilcoxon": tested.p_wilcoxon,
         }
     return compared
+
+
+def _as_much(old: np.ndarray, new: np.ndarray, place: int) -> dict[str, float] | None:
+    """Share of maps on which a value changes at least as much as Table 4 says on average."""
+    if len(old) == 0:
+        return None
+    wanted = np.array([TABLE4.change[metric][place] for metric in METRICS])
+    reached = per_map_change(old, new) * np.sign(wanted) >= np.abs(wanted)
+    return dict(zip(METRICS, map(float, reached.mean(axis=0)), strict=True))
 
 
 def _correct(found: list[dict[str, Any]]) -> None:

@@ -1,14 +1,14 @@
 """Which reading, or pair of readings, comes nearest to Table 4; after the fact, none tuned."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp
 
 import numpy as np
 
 from experiments.tan2022_episodes import Episodes
 from experiments.tan2022_published import METHODS, METRICS, RADII, TABLE4, TABLE4_MAPS
-from experiments.tan2022_readings import Reading
+from experiments.tan2022_readings import CASES, Reading
 
 LEAST_COMMON = 10
 """Maps on which both methods must succeed, at each radius, for an average worth ranking."""
@@ -44,7 +44,7 @@ class Match:
 
     @property
     def typical_factor(self) -> float:
-        """The distance as a factor: 1.2 is a typical deviation of 20 %."""
+        """The distance as a factor: at 1.2, ours are typically off by 20 %."""
         return exp(self.distance)
 
     @property
@@ -121,21 +121,14 @@ def with_hits(found: Match, outcomes: Outcomes, seed: int) -> Match:
             for j, metric in enumerate(METRICS):
                 if not low[i, j] - 0.005 <= wanted[i, j] <= high[i, j] + 0.005:
                     misses.append(f"{method} {metric} at r = {RADII[place]:g}")
-    return Match(
-        found.traditional,
-        found.improved,
-        found.common,
-        found.values,
-        found.distance,
-        within=published().size - len(misses),
-        misses=tuple(misses),
-    )
+    within = published().size - len(misses)
+    return replace(found, within=within, misses=tuple(misses))
 
 
 def rank(
     readings: Sequence[Reading], outcomes: Mapping[tuple[Reading, str], Sequence[Episodes]]
 ) -> list[Match]:
-    """Compare every reading, and every pair of readings on the same maps, with Table 4.
+    """Compare every reading, and every pair of readings of the same task, with Table 4.
 
     Args:
         readings: all of them.
@@ -156,7 +149,7 @@ def rank(
 
 
 def pairs(readings: Sequence[Reading]) -> list[tuple[Reading, Reading]]:
-    """All pairs on the same maps that differ in what was simulated, single readings first.
+    """All pairs on the same task that differ in what was simulated, single readings first.
 
     A hybrid counts once: readings that differ only in what a method does not look at give the
     same episodes.
@@ -167,7 +160,7 @@ def pairs(readings: Sequence[Reading]) -> list[tuple[Reading, Reading]]:
     for old in readings:
         for new in readings:
             pair = _looked_at(old, "traditional"), _looked_at(new, "improved")
-            if old.place == new.place and pair not in seen:
+            if old.task == new.task and pair not in seen:
                 seen.add(pair)
                 hybrids.append((old, new))
     return single + hybrids
@@ -175,8 +168,6 @@ def pairs(readings: Sequence[Reading]) -> list[tuple[Reading, Reading]]:
 
 def _looked_at(reading: Reading, method: str) -> tuple[object, ...]:
     """All that a method's episodes depend on, at every radius."""
-    from experiments.tan2022_readings import CASES
-
     return tuple(
         (reading.source(case), reading.params(case, method), reading.static(method))
         for case in CASES

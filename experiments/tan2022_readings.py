@@ -1,7 +1,9 @@
 """Ways to read what Tan et al. 2022 do not print: where obstacles stand, and how dist is taken."""
 
 from dataclasses import dataclass, replace
+from itertools import product
 from math import degrees, inf, pi
+from typing import Any
 
 from experiments.tan2022_published import RADII
 from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
@@ -40,7 +42,7 @@ class Reading:
         cap: largest dist that counts, m.
         cap_in_radii: the same as a multiple of the obstacle radius; the smaller one holds.
         clear_distance: dist where no obstacle counts, m; never more than the cap.
-        clearance, normalise, when_blocked, braking: see `usvkernels.dwa.DwaStatic`.
+        clearance, normalise, braking: see `usvkernels.dwa.DwaStatic`.
         v_min: m/s; Table 1 prints -1.
         search_angle: phi, rad.
         goal_tolerance: m.
@@ -57,7 +59,6 @@ class Reading:
     clear_distance: float = 2.0
     clearance: str = "endpoint"
     normalise: str = "sum"
-    when_blocked: str = "brake"
     braking: bool = True
     v_min: float = -1.0
     search_angle: float = pi / 3
@@ -67,9 +68,9 @@ class Reading:
     rate: float | None = None
 
     @property
-    def place(self) -> tuple[str, float | None]:
-        """Where its obstacles come from; only readings on the same maps can be paired."""
-        return self.maps, self.rate
+    def task(self) -> tuple[str, float | None, float | None, float]:
+        """Maps, start and goal; methods can only be compared on the same task."""
+        return self.maps, self.rate, self.start_heading, self.goal_tolerance
 
     def source(self, case: Case) -> Source:
         """Return the generator of its maps."""
@@ -106,15 +107,27 @@ class Reading:
             method=method,
             clearance=self.clearance,
             normalise=self.normalise,
-            when_blocked=self.when_blocked,
             braking=self.braking,
         )
 
 
-PRESET = Reading("no cap, clear 2 m (preset)", "preset")
-"""The library's preset "tan2022"."""
+PRESET = Reading("no cap", "preset")
+"""The library's preset "tan2022": no cap on dist, 2 m where no obstacle counts."""
 DEMO = Reading("cap 2r", "clearance cap", cap_in_radii=2.0, clear_distance=inf)
 """The rule of the widely used demo that Table 1's numbers come from."""
+DEMO_START = replace(
+    DEMO, label="cap 2r, start 90 deg", group="start heading", start_heading=pi / 2
+)
+"""That demo's rule and its start, which faces north instead of the goal."""
+
+CAPS = {
+    DEMO.label: "2r",
+    "cap 1 m": "1",
+    "cap 2 m": "2",
+    "cap 5 m": "5",
+    PRESET.label: "none",
+}
+"""Readings that differ in the cap alone, and what to call it."""
 
 
 def readings() -> list[Reading]:
@@ -132,29 +145,28 @@ def readings() -> list[Reading]:
 
 
 def _forward() -> list[Reading]:
-    """Vessels that may not sail astern, against Table 1, at every cap."""
-    group = "no sailing astern (v_min = 0)"
+    """Vessels that may not sail astern, against Table 1."""
+    forward = Reading("", "no sailing astern (v_min = 0)", v_min=0.0)
     return [
-        Reading("v_min 0, cap 2r", group, cap_in_radii=2.0, clear_distance=inf, v_min=0.0),
-        Reading("v_min 0, cap 2 m", group, cap=2.0, v_min=0.0),
-        Reading("v_min 0, cap 5 m", group, cap=5.0, clear_distance=5.0, v_min=0.0),
-        Reading("v_min 0, no cap, clear 2 m", group, v_min=0.0),
-        Reading("v_min 0, no cap, clear 10 m", group, clear_distance=10.0, v_min=0.0),
+        replace(forward, label="v_min 0, cap 2r", cap_in_radii=2.0, clear_distance=inf),
+        replace(forward, label="v_min 0, cap 1 m", cap=1.0),
+        replace(forward, label="v_min 0, cap 2 m", cap=2.0),
+        replace(forward, label="v_min 0, no cap"),
+        replace(forward, label="v_min 0, no cap, clear 5 m", clear_distance=5.0),
     ]
 
 
 def _about(base: Reading) -> list[Reading]:
     """Everything that is varied one at a time, about one of two readings of the cap."""
-    name = "cap 2r" if base is DEMO else "no cap"
 
-    def varied(label: str, group: str, **changes: object) -> Reading:
-        return replace(base, label=f"{name}, {label}", group=group, **changes)  # type: ignore[arg-type]
+    def varied(label: str, group: str, **changes: Any) -> Reading:
+        return replace(base, label=f"{base.label}, {label}", group=group, **changes)
 
     return [
         varied("dist along the trajectory", "dist taken", clearance="trajectory"),
         varied("scores by range", "normalisation", normalise="range"),
-        varied("turns when blocked", "no admissible command", when_blocked="turn"),
-        varied("start heading 90 deg", "start heading", start_heading=pi / 2),
+        varied("without Eq. 4", "braking bound", braking=False),
+        varied("start 90 deg", "start heading", start_heading=pi / 2),
         *(
             varied(f"goal tolerance {tolerance:g} m", "goal tolerance", goal_tolerance=tolerance)
             for tolerance in (0.2, 1.0)
@@ -163,10 +175,7 @@ def _about(base: Reading) -> list[Reading]:
         varied("share of area", "obstacle rate", maps="area"),
         varied("lattice 1 to 9", "obstacle rate", maps="inner"),
         varied("discs anywhere", "obstacle rate", maps="scattered"),
-        *(
-            varied(f"rate {rate:g}", "obstacle rate", rate=rate)
-            for rate in (0.05, 0.1, 0.15, 0.2, 0.3)
-        ),
+        *(varied(f"rate {rate:g}", "obstacle rate", rate=rate) for rate in (0.05, 0.1, 0.2, 0.3)),
     ]
 
 
@@ -174,16 +183,39 @@ def _angles() -> list[Reading]:
     return [
         replace(
             base,
-            label=f"{name}, phi {degrees(angle):.0f} deg",
+            label=f"{base.label}, phi {degrees(angle):.0f} deg",
             group="search angle",
             search_angle=angle,
         )
-        for base, name in ((PRESET, "no cap"), (DEMO, "cap 2r"))
-        for angle in (pi / 6, pi / 4, pi / 2)
+        for base in (PRESET, DEMO)
+        for angle in (pi / 6, pi / 2)
+    ]
+
+
+def combinations() -> list[Reading]:
+    """All combinations of cap, start, sailing astern and Eq. 4, for the ranking."""
+    caps: dict[str, dict[str, Any]] = {
+        "cap 2r": {"cap_in_radii": 2.0, "clear_distance": inf},
+        **{f"cap {cap:g} m": {"cap": cap, "clear_distance": cap} for cap in (1.0, 2.0, 5.0)},
+        "no cap": {},
+    }
+    starts = {"": None, ", start 90 deg": pi / 2}
+    speeds = {"": -1.0, ", v_min 0": 0.0}
+    bounds = {"": True, ", without Eq. 4": False}
+    return [
+        Reading(
+            cap + start + speed + bound,
+            "combination",
+            start_heading=starts[start],
+            v_min=speeds[speed],
+            braking=bounds[bound],
+            **caps[cap],
+        )
+        for cap, start, speed, bound in product(caps, starts, speeds, bounds)
     ]
 
 
 def quick_readings() -> list[Reading]:
     """A few readings that compile to few programs, for a quick look."""
-    names = ("cap 2 m", "v_min 0, no cap, clear 2 m", "no cap, phi 30 deg", "no cap, rate 0.2")
-    return [PRESET, DEMO, *(r for r in readings() if r.label in names)]
+    names = ("cap 2 m", "v_min 0, no cap", "no cap, phi 30 deg", "no cap, rate 0.2")
+    return [PRESET, DEMO, *(reading for reading in readings() if reading.label in names)]

@@ -8,16 +8,18 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from usvjax.checks import float_array
+from usvjax.checks import float_array, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.presets import check_dwa
 from usvjax.scene import Scene, padded, set_scene
 from usvkernels import dwa, episodes, lanes
 from usvkernels.dwa import DwaParams, DwaStatic
 from usvkernels.episodes import Jobs, Outcome
+from usvkernels.lanes import LEAST_LANES
 
 MOST_LANES = 256  # state of a step stays within the second-level cache
 MOST_ROWS = 8192  # episodes per call of a device; memory does not grow past it
+JOBS_PER_LANE = 4  # at least, or lanes idle for want of a next job
 CHUNK = 32  # steps between two refills
 
 
@@ -117,6 +119,7 @@ def navigate_dwa(
         an obstacle; the message names the argument and the first bad row.
     """
     params, static = params or DwaParams(), static or DwaStatic()
+    max_lanes = whole_number("max_lanes", max_lanes, 1)
     scene = set_scene(obstacles, starts, goals, valid, params, static, sensing_range)
     return _sail(scene, params, static, record, max_lanes)
 
@@ -199,7 +202,7 @@ def _sail(
         jobs, own = jax.device_put((jobs, own), device)
         if record:
             return jax.device_get(_record(jobs, own, static))
-        width = min(max_lanes, capacity)
+        width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
         outcome, usage = _run(jobs, own, static, np.int32(len(rows)), width)
         return (*jax.device_get((outcome, usage)), None)
 
@@ -210,7 +213,7 @@ def _sail(
 def _capacity(count: int, devices: int, record: bool) -> int:
     share = -(-count // devices)
     most = MOST_LANES if record else MOST_ROWS
-    return min(most, max(16, 1 << (share - 1).bit_length()))
+    return min(most, max(LEAST_LANES, 1 << (share - 1).bit_length()))
 
 
 def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import one_of
+from usvjax.checks import one_of, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvkernels.dwa import SLACK, DwaParams, DwaStatic
 
@@ -193,7 +193,10 @@ def check_dwa(params: DwaParams, static: DwaStatic, episodes: int | None = None)
 
 
 def _leaf(name: str, value: Any, episodes: int | None) -> np.ndarray:
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise BadInputError(f"params.{name}: rows of unequal length; wanted numbers") from None
     if array.dtype.kind not in "iuf":
         raise BadTypeError(f"params.{name}: got {value!r}; wanted a number")
     if array.ndim and array.shape != (episodes,):
@@ -215,9 +218,10 @@ def _check_static(params: DwaParams, static: DwaStatic) -> None:
     for name, allowed in _CHOICES.items():
         one_of(f"static.{name}", getattr(static, name), allowed)
     for name in ("n_v", "n_w", "horizon", "max_steps"):
-        value = getattr(static, name)
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise BadInputError(f"static.{name}: got {value!r}; wanted a whole number from 1")
+        whole_number(f"static.{name}", getattr(static, name), 1)
+    for name in ("braking", "heading_first"):
+        if not isinstance(getattr(static, name), bool):
+            raise BadTypeError(f"static.{name}: got {getattr(static, name)!r}; wanted a bool")
     for name, needed in zip(("n_v", "n_w"), window_size(params), strict=True):
         if getattr(static, name) < needed:
             raise BadInputError(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import float_array
+from usvjax.checks import float_array, positive
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, obstacle_table
 from usvjax.presets import check_dwa
@@ -64,9 +64,9 @@ def set_scene(
     """Check and pack the episodes of `navigate_dwa`, whose docstring says what is what."""
     on_map = isinstance(obstacles, GridMap)
     start, goal = _rows("starts", starts, 3), _rows("goals", goals, 2)
-    maps = 1 if on_map or np.ndim(obstacles) < 3 else len(obstacles)
-    sets = max(np.size(value) for value in vars(params).values())
-    count = max(len(start), len(goal), maps, sets)
+    maps = 1 if on_map or _depth("obstacles", obstacles) < 3 else len(obstacles)
+    count = max(len(start), len(goal), maps)
+    count = count if count > 1 else _sets(params)
     check_dwa(params, static, count)
     start, goal = _repeat("starts", start, count), _repeat("goals", goal, count)
     for name, points in (("starts", start[:, :2]), ("goals", goal)):
@@ -76,8 +76,22 @@ def set_scene(
     return _among_circles(obstacles, valid, start, goal, params, sensing_range)
 
 
+def _depth(name: str, value: Any) -> int:
+    try:
+        return np.ndim(value)
+    except ValueError:
+        raise BadInputError(f"{name}: rows of unequal length; wanted a full array") from None
+
+
+def _sets(params: DwaParams) -> int:
+    """How many sets of parameters there are, by the longest leaf."""
+    values = vars(params).values() if isinstance(params, DwaParams) else ()
+    arrays: list[Any] = [value for value in values if np.iterable(value)]
+    return max([1, *(len(array) for array in arrays)])
+
+
 def _rows(name: str, value: Any, width: int) -> np.ndarray:
-    shape = (width,) if np.ndim(value) == 1 else (None, width)
+    shape = (width,) if _depth(name, value) == 1 else (None, width)
     rows = np.atleast_2d(float_array(name, value, shape))
     if len(rows) == 0:
         raise BadInputError(f"{name}: got no rows; wanted at least one episode")
@@ -115,23 +129,28 @@ def _among_circles(
     centres = float_array("obstacles", obstacles, shape)
     centres = centres[None] if shared else centres
     if valid is not None:
-        centres = np.where(_mask(valid, centres.shape[:2])[..., None], centres, FAR)
+        shown = _mask(valid, (len(start), centres.shape[1]))
+        centres = np.where(shown[..., None], centres, FAR)
     packed = padded(centres).astype(np.float32)
     _refuse_inside(packed, start, np.asarray(params.radius, np.float64))
     return Scene(start, goal, np.zeros(2), packed, None)
 
 
-def _mask(valid: Any, shape: tuple[int, ...]) -> np.ndarray:
+def _mask(valid: Any, shape: tuple[int, int]) -> np.ndarray:
+    _depth("valid", valid)
     mask = np.asarray(valid)
     if mask.dtype != bool:
         raise BadTypeError(f"valid: got dtype {mask.dtype}; wanted bool")
     if mask.shape not in (shape, shape[1:]):
-        raise BadInputError(f"valid: got shape {mask.shape}; wanted {shape}, as the obstacles")
-    return np.broadcast_to(mask, shape)
+        raise BadInputError(
+            f"valid: got shape {mask.shape}; wanted {shape} or {shape[1:]}, as the obstacles"
+        )
+    return mask
 
 
 def padded(centres: np.ndarray) -> np.ndarray:
     """Centres [B, K, 2] as [B, 2, K'], K' a multiple of 8 so that few shapes are compiled."""
+    centres = np.clip(centres, -FAR, FAR)  # what is farther is as far, and float32 holds it
     count = centres.shape[1]
     padding = max(8, -(-count // 8) * 8) - count
     packed = np.pad(centres, ((0, 0), (0, padding), (0, 0)), constant_values=FAR)
@@ -181,9 +200,7 @@ def _on_chart(
                 f"{name}: episode {row} at ({points[row, 0]:g}, {points[row, 1]:g}) m is on a "
                 "blocked cell or off the map; wanted open water"
             )
-    reach = _reach(params, static) if sensing_range is None else float(sensing_range)
-    if not 0 < reach < np.inf:
-        raise BadInputError(f"sensing_range: got {sensing_range}; wanted a positive length (m)")
+    reach = _reach(params, static, sensing_range)
     origin = np.asarray(grid.origin, np.float64)
     scene = Scene(
         start=start - np.append(origin, 0.0),
@@ -197,12 +214,21 @@ def _on_chart(
     return scene
 
 
-def _reach(params: DwaParams, static: DwaStatic) -> float:
-    """How far from the vessel an obstacle can matter (m)."""
+def _reach(params: DwaParams, static: DwaStatic, sensing_range: float | None) -> float:
+    """How far off shore is seen (m); by default, how far from the vessel it can matter."""
     fastest = np.maximum(np.abs(params.v_min), np.abs(params.v_max))
-    prediction = fastest * static.horizon * np.asarray(params.dt)
-    braking = fastest**2 / (2.0 * np.maximum(params.v_dec, 1e-9))
-    return float(np.max(prediction + braking + params.radius))
+    if sensing_range is None:
+        prediction = fastest * static.horizon * np.asarray(params.dt)
+        braking = fastest**2 / (2.0 * np.maximum(params.v_dec, 1e-9))
+        return float(np.max(prediction + braking + params.radius))
+    reach = positive("sensing_range", sensing_range)
+    least = float(np.max(fastest * np.asarray(params.dt) + params.radius))
+    if reach < least:
+        raise BadInputError(
+            f"sensing_range: got {reach:g} m; wanted at least {least:g} m, the radius and one "
+            "step at full speed, so that every collision is seen"
+        )
+    return reach
 
 
 @lru_cache(maxsize=4)
@@ -219,6 +245,8 @@ def _sensed_at(scene: Scene) -> np.ndarray:
     chart = scene.chart
     assert chart is not None
     cell = np.floor(scene.start[:, :2] / chart.cell_size).astype(np.int64)
+    last = np.array([chart.width, len(chart.table) // chart.width]) - 1
+    cell = np.minimum(cell, last)  # at the edge, division by a rounded size can step off
     blocked = chart.table[cell[:, 1] * chart.width + cell[:, 0]]
     row, column = np.divmod(blocked, chart.width)
     centres = (np.stack([column, row], axis=1) + 0.5) * chart.cell_size

@@ -6,7 +6,7 @@ job. Without the refill every lane would wait for the slowest of its batch.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,12 @@ from jax import Array
 
 Tree = Any
 """A pytree of arrays."""
+
+NARROWING = 8
+"""How many times fewer lanes the last jobs get."""
+
+LEAST_LANES = 16
+"""Fewer than this do not fill the processor's vectors."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,7 @@ class _Queue:
     job: Array  # int32[lanes], the job in each lane; n_jobs or more: idle
     next_job: Array  # int32, first job not yet given out
     results: Tree  # [capacity, ...]
-    busy: Array  # int32
+    usage: Usage
     chunks: Array  # int32, chunks executed
 
 
@@ -65,6 +71,7 @@ def run(
     chunk: int,
     max_steps: int,
     refill: bool = True,
+    narrow: bool = True,
 ) -> tuple[Tree, Usage]:
     """Run jobs 0 .. n_jobs - 1 and return their results in job order.
 
@@ -76,6 +83,9 @@ def run(
       chunk: steps between two refills, static.
       max_steps: steps after which any job is done, static; bounds the loop.
       refill: False gives out new jobs only when all lanes have finished (for comparison).
+      narrow: when the queue is empty and few jobs are left, move these into fewer lanes; lengths
+        are heavy-tailed, and the last jobs would otherwise pay for all lanes. Compiles the step
+        once more for each width.
 
     Returns:
       The results, leaves [capacity, ...] with rows from n_jobs on zero, and the lanes' usage.
@@ -89,14 +99,49 @@ def run(
         job=job,
         next_job=jnp.int32(lanes),
         results=jax.tree.map(lambda a: jnp.zeros((capacity, *a.shape[1:]), a.dtype), row),
-        busy=jnp.int32(0),
+        usage=Usage(busy=jnp.int32(0), total=jnp.int32(0)),
         chunks=jnp.int32(0),
     )
+    widths = _widths(lanes) if narrow and refill else [lanes]
+    for width, next_width in zip(widths, [*widths[1:], 0], strict=True):
+        queue = _narrowed(queue, n_jobs, width)
+        queue = _work(program, queue, n_jobs, chunk, max_steps, refill, next_width)
+    return queue.results, queue.usage
+
+
+def _widths(lanes: int) -> list[int]:
+    """Lane counts to work through, the first for nearly all jobs."""
+    return [lanes, lanes // NARROWING] if lanes // NARROWING >= LEAST_LANES else [lanes]
+
+
+def _narrowed(queue: _Queue, n_jobs: Array, width: int) -> _Queue:
+    """The queue with its unfinished jobs gathered in the first `width` lanes, the others cut."""
+    if queue.job.shape[0] == width:
+        return queue
+    lane = jnp.argsort(queue.job >= n_jobs, stable=True)[:width]
+    state = jax.tree.map(lambda leaf: jnp.take(leaf, lane, axis=-1), queue.state)
+    return replace(queue, state=state, job=queue.job[lane])
+
+
+def _work(
+    program: Program,
+    queue: _Queue,
+    n_jobs: Array,
+    chunk: int,
+    max_steps: int,
+    refill: bool,
+    next_width: int,
+) -> _Queue:
+    """Work until all is done, or until what is left fits into `next_width` lanes."""
+    capacity = jax.tree.leaves(queue.results)[0].shape[0]
+    lanes = queue.job.shape[0]
     # Enough chunks for all jobs one after the other: reached only if `done` never comes true.
     bound = n_jobs * (-(-max_steps // chunk) + 1)
 
     def unfinished(queue: _Queue) -> Array:
-        return jnp.any(queue.job < n_jobs) & (queue.chunks < bound)
+        left = jnp.sum(queue.job < n_jobs, dtype=jnp.int32)
+        fits = (queue.next_job >= n_jobs) & (left <= next_width)
+        return ~fits & (left > 0) & (queue.chunks < bound)
 
     def turn(queue: _Queue) -> _Queue:
         state, busy = _advance(program, queue.state, queue.job < n_jobs, chunk)
@@ -111,17 +156,17 @@ def run(
         given = queue.next_job + jnp.cumsum(take, dtype=jnp.int32) - 1
         job = jnp.where(take, given, queue.job)
         fresh = program.start(jnp.minimum(job, n_jobs - 1))
+        usage = queue.usage
         return _Queue(
             state=keep(~take | (job >= n_jobs), state, fresh),
             job=job,
             next_job=queue.next_job + jnp.sum(take, dtype=jnp.int32),
             results=results,
-            busy=queue.busy + busy,
+            usage=Usage(busy=usage.busy + busy, total=usage.total + chunk * lanes),
             chunks=queue.chunks + 1,
         )
 
-    queue = jax.lax.while_loop(unfinished, turn, queue)
-    return queue.results, Usage(busy=queue.busy, total=queue.chunks * (chunk * lanes))
+    return jax.lax.while_loop(unfinished, turn, queue)
 
 
 def record(

@@ -1,0 +1,294 @@
+"""Tan et al. 2022: every table and figure, then the same on thousands of paired maps.
+
+Run it with ``usvjax reproduce tan2022`` or ``python -m experiments.tan2022``; ``--help`` lists
+the options.
+"""
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+import usvjax as uj
+from experiments.tan2022_episodes import Plan, Results, Run, sail, total
+from experiments.tan2022_figures import cap_figure, draw_maps, draw_paired
+from experiments.tan2022_paired import Comparison, compare, sensitivities
+from experiments.tan2022_published import METHODS, arithmetic, cap_bounds
+from experiments.tan2022_ranking import Match, rank, with_hits
+from experiments.tan2022_readings import (
+    CAPS,
+    CASES,
+    DEMO,
+    DEMO_START,
+    ONE_MAP_CASES,
+    PRESET,
+    Reading,
+    combinations,
+    quick_readings,
+    readings,
+)
+from experiments.tan2022_report import markdown
+from experiments.tan2022_tables import (
+    everything_shown,
+    one_map,
+    single_maps,
+    three_maps,
+    twenty_maps,
+)
+from experiments.tan2022_verdicts import Verdict, evidence, judge
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.plots import save
+from usvjax.plots.style import write_atomically
+
+RESULTS = Path(__file__).parent / "results" / "tan2022"
+QUICK_RESULTS = Path("runs") / "tan2022_quick"
+
+MAIN = (PRESET, DEMO, DEMO_START)
+"""Readings that are run on all paired maps."""
+SHOWN = (PRESET, DEMO)
+"""Readings that Tables 2 to 4 and Figs. 2 to 7 are made under."""
+COMPARISONS = (
+    *(Comparison(reading.label, reading, reading) for reading in MAIN),
+    Comparison("hybrid: traditional cap 2r, improved no cap", DEMO, PRESET),
+)
+TOP = 12
+"""Lines of the ranking that are reported of each kind."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Regenerate the tables and figures of Tan et al. 2022 beside the published values.
+
+    Attributes:
+        quick: A look in under a minute: few maps and few readings.
+        out: Folder for README.md, results.json and figures/. By default the checkout's
+            experiments/results/tan2022, or runs/tan2022_quick with --quick.
+        episodes: Paired maps per radius; 10,000, or 200 with --quick.
+    """
+
+    quick: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    out: Path | None = None
+    episodes: int | None = None
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to run.
+
+    Attributes:
+        paired: maps of the paired runs, and of Tables 3 and 4.
+        one_map: maps that Table 2's is chosen from.
+        varied: maps of the sensitivity study.
+        readings: that the study goes through.
+        ranked: maps of the ranking.
+        combinations: readings that are ranked.
+    """
+
+    paired: Plan
+    one_map: Plan
+    varied: Plan
+    readings: list[Reading]
+    ranked: Plan
+    combinations: list[Reading]
+
+    def runs(self) -> list[Run]:
+        """Return all runs; what several tables need is in it several times."""
+        wanted = [
+            (self.paired, list(MAIN), CASES),
+            (self.one_map, list(MAIN), ONE_MAP_CASES),
+            (self.varied, self.readings, CASES),
+            (self.ranked, self.combinations, CASES),
+        ]
+        return [
+            plan.run(reading, case, method)
+            for plan, chosen, cases in wanted
+            for reading in chosen
+            for case in cases
+            for method in METHODS
+        ]
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the experiments.
+
+    Args:
+        argv: options; those of the process when None.
+
+    Returns:
+        The exit code: 2, after one line on stderr, for a user's mistake.
+    """
+    options = tyro.cli(Options, args=argv, prog="experiments.tan2022")
+    try:
+        job, folder = _job(options), _folder(options)
+    except (BadInputError, BadTypeError) as error:
+        print(error, file=sys.stderr)
+        return 2
+    console = Console(highlight=False)
+    with _progress(total(job.runs())) as advance:
+        results = sail(job.runs(), advance)
+    found, verdicts = _found(job, results)
+    files = [
+        _write(folder / "README.md", markdown(found)),
+        _write(folder / "results.json", json.dumps(_rounded(found), indent=1) + "\n"),
+        *_figures(job, results, found, folder / "figures"),
+    ]
+    console.print(_summary(verdicts))
+    for file in files:
+        console.print(f"Written  {file}", soft_wrap=True, markup=False)
+    return 0
+
+
+def _job(options: Options) -> Job:
+    """Turn options into plans.
+
+    Raises:
+        BadInputError: fewer than one episode.
+    """
+    episodes = options.episodes
+    if episodes is not None and episodes < 1:
+        raise BadInputError(f"--episodes: got {episodes}; wanted at least 1 map per radius")
+    quick = options.quick
+    return Job(
+        paired=Plan(2022, episodes or (200 if quick else 10_000), few_maps=0),
+        varied=Plan(2023, 40, 8) if quick else Plan(2023, 1000, 200),
+        one_map=Plan(2024, 200 if quick else 1000, few_maps=0),
+        readings=quick_readings() if quick else readings(),
+        ranked=Plan(2023, 100 if quick else 300, few_maps=0),
+        combinations=[PRESET, DEMO] if quick else combinations(),
+    )
+
+
+def _folder(options: Options) -> Path:
+    """Make the folder for results, before anything is computed.
+
+    Raises:
+        BadInputError: it cannot be written.
+    """
+    folder = options.out or (QUICK_RESULTS if options.quick else RESULTS)
+    probe = folder / ".writable"
+    write_atomically(probe, lambda path: path.write_text(""))
+    probe.unlink()
+    return folder
+
+
+@contextmanager
+def _progress(episodes: int) -> Iterator[Callable[[int], None]]:
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task("episodes", total=episodes)
+        yield lambda done: progress.advance(task, done)
+
+
+def _found(job: Job, results: Results) -> tuple[dict[str, Any], list[Verdict]]:
+    """Make every table; the first part is what goes to results.json."""
+    paired = compare(COMPARISONS, results, job.paired)
+    known = [
+        evidence(comparison, row, results, job.paired, job.one_map)
+        for comparison, row in zip(COMPARISONS, paired, strict=True)
+    ]
+    verdicts = judge(known)
+    found = {
+        "format": 1,
+        "settings": {
+            "usvjax": uj.__version__,
+            "paired": asdict(job.paired),
+            "one_map": asdict(job.one_map),
+            "varied": asdict(job.varied),
+            "ranked": asdict(job.ranked),
+        },
+        "verdicts": [asdict(verdict) for verdict in verdicts],
+        "tables": {reading.label: _tables(job, results, reading) for reading in SHOWN},
+        "paired": paired,
+        "sensitivities": sensitivities(job.readings, results, job.varied),
+        "ranking": _ranking(job, results),
+        "arithmetic": [asdict(check) for check in arithmetic()],
+        "cap_bounds": [
+            {**asdict(bound), "excludes_demo_cap": bound.excludes_demo_cap}
+            for bound in cap_bounds()
+        ],
+    }
+    return found, verdicts
+
+
+def _tables(job: Job, results: Results, reading: Reading) -> dict[str, Any]:
+    return {
+        "2": single_maps(one_map(results, job.one_map, reading), results),
+        "3": single_maps(three_maps(results, job.paired, reading), results),
+        "4": twenty_maps(results, job.paired, reading),
+    }
+
+
+def _ranking(job: Job, results: Results) -> dict[str, Any]:
+    """Return the nearest readings and the nearest hybrids."""
+    outcomes = {
+        (reading, method): [results[job.ranked.run(reading, case, method)] for case in CASES]
+        for reading in job.combinations
+        for method in METHODS
+    }
+    by_label = {reading.label: reading for reading in job.combinations}
+
+    def line(match: Match) -> dict[str, Any]:
+        own = {m: outcomes[by_label[getattr(match, m)], m] for m in METHODS}
+        counted = with_hits(match, own, job.ranked.seed)
+        values = {"values": match.values.tolist(), "typical_factor": match.typical_factor}
+        return {**asdict(counted), **values}
+
+    ranked = [m for m in rank(job.combinations, outcomes) if m.distance < float("inf")]
+    return {
+        "readings": len(job.combinations),
+        "ranked": len(ranked),
+        "single": [line(m) for m in ranked if not m.is_hybrid][:TOP],
+        "hybrid": [line(m) for m in ranked if m.is_hybrid][:TOP],
+    }
+
+
+def _figures(job: Job, results: Results, found: dict[str, Any], folder: Path) -> list[Path]:
+    files = []
+    for reading in SHOWN:
+        shown = list(everything_shown(results, job.one_map, job.paired, reading))
+        files += draw_maps(shown, results, reading.label, folder)
+    files += draw_paired(COMPARISONS, results, job.paired, folder)
+    figure = cap_figure(found["sensitivities"], CAPS)
+    return [*files, save(figure, folder / "cap.png", dpi=130)]
+
+
+def _rounded(value: Any) -> Any:
+    """Keep six significant digits, and None for what is not a number."""
+    if isinstance(value, float):
+        return float(f"{value:.6g}") if abs(value) < float("inf") else None
+    if isinstance(value, dict):
+        return {str(key): _rounded(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_rounded(item) for item in value]
+    return value
+
+
+def _write(file: Path, text: str) -> Path:
+    return write_atomically(file, lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def _summary(verdicts: Sequence[Verdict]) -> Table:
+    table = Table("Tan et al. 2022 says", "verdict", title="What reproduces", title_justify="left")
+    for verdict in verdicts:
+        table.add_row(verdict.claim, verdict.verdict)
+    return table
+
+
+if __name__ == "__main__":
+    from usvjax.devices import use_compilation_cache
+
+    use_compilation_cache()
+    sys.exit(main())
