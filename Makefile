@@ -9,7 +9,7 @@ study: $(VENV)/.installed  ## install, then run the main job: table, figures, pa
 	$(BIN)/usvjax study studies/tan2022.toml
 
 test: $(VENV)/.tools  ## install, then run the tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 lint: $(VENV)/.tools  ## linter, formatter and type checker
 	$(BIN)/ruff check .

@@ -26,28 +26,25 @@ from usvjax.study import load_spec
 
 TITLE = "compile time, first start and second"
 STUDIES = Path(__file__).parent.parent / "studies"
-STARTS = ("first start", "second start")
-REPETITIONS = 2
+FIRST, SECOND = STARTS = ("first start", "second start")
+SECOND_STARTS = 3
 BAR = 3.0
 STUDY = "usvjax study"
 
 
 def measure(quick: bool) -> dict[str, Any]:
     """Start processes with an empty cache and then with what the first one left in it."""
-    runs: list[dict[str, Any]] = []
-    for _ in range(1 if quick else REPETITIONS):
-        with tempfile.TemporaryDirectory() as cache:
-            for start in STARTS:
-                with FreshProcess(variables={"XDG_CACHE_HOME": cache}) as process:
-                    runs.append({"start": start, **process.call(entries)})
-        with tempfile.TemporaryDirectory() as cache:
-            for start in STARTS:
-                runs.append({"start": start, STUDY: _study(Path(cache))})
-    found: dict[str, Any] = {}
-    for run in runs:
-        for name in run.keys() - {"start"}:
-            found.setdefault(name, {start: [] for start in STARTS})[run["start"]].append(run[name])
-    return {name: found[name] for name in [*_entries(), STUDY]}
+    starts = [FIRST] + [SECOND] * (1 if quick else SECOND_STARTS)
+    found = {name: {start: [] for start in STARTS} for name in [*_entries(), STUDY]}
+    with tempfile.TemporaryDirectory() as cache:
+        for start in starts:
+            with FreshProcess(variables={"XDG_CACHE_HOME": cache}) as process:
+                for name, spent in process.call(entries).items():
+                    found[name][start].append(spent)
+    with tempfile.TemporaryDirectory() as cache:
+        for start in starts:
+            found[STUDY][start].append(_study(Path(cache)))
+    return found
 
 
 def entries() -> dict[str, dict[str, float]]:
@@ -113,11 +110,12 @@ def report(found: dict[str, Any]) -> str:
     for name in found:
         cells = [f"{median(name, start, 'preparing_seconds'):.2f}" for start in STARTS]
         cells += [f"{median(name, start, 'first_call'):.2f}" for start in STARTS]
-        programs = f"{median(name, STARTS[0], 'programs'):.0f}"
+        programs = f"{median(name, FIRST, 'programs'):.0f}"
         rows.append((name, *cells, programs))
-    second = median(STUDY, STARTS[1], "preparing_seconds")
+    second = median(STUDY, SECOND, "preparing_seconds")
     header = ("entry", "compile s, first", "second", "first call s, first", "second", "programs")
     return (
+        f"One first start and the median of {len(found[STUDY][SECOND])} second ones. "
         "Seconds in which the process traces, compiles or loads programs (stretches in several "
         "threads counted once), on a start with an empty cache and on the next, and seconds of "
         "the first call as a whole; for the study (`studies/tan2022.toml` with 64 episodes "

@@ -21,7 +21,8 @@ BLOCK = 5_000
 
 # Float32 may choose otherwise where the oracle's scores of both candidates differ by less than
 # this share of themselves (a tie), or where the oracle's answer to a yes/no question (inside the
-# window, inside the sector, able to stop) is this close to changing (an edge; m, m/s or rad/s).
+# window, inside the sector, able to stop) is this close to changing, or a predicted position this
+# close to the goal, whose bearing is then undefined (an edge; m, m/s or rad/s).
 TIE = 1e-5
 EDGE = 1e-5
 
@@ -42,16 +43,20 @@ def measure(quick: bool) -> dict[str, Any]:
 def _block(settings: Settings, seed: int) -> dict[str, dict[str, Any]]:
     case = cases.situations(np.random.default_rng(seed), BLOCK, OBSTACLES, settings)
     oracle = dwa_numpy.decide(case.states, case.obstacles, case.goals, settings, case.valid)
-    found = {"float32": _compare(cases.kernel(settings, case), oracle)}
+    found = {"float32": _compare(cases.kernel(settings, case), oracle, case.goals)}
     with cases.enable_x64():
-        found["float64"] = _compare(cases.kernel(settings, case), oracle)
+        found["float64"] = _compare(cases.kernel(settings, case), oracle, case.goals)
     return found
 
 
-def _compare(kernel: dwa_numpy.Decision, oracle: dwa_numpy.Decision) -> dict[str, Any]:
+def _compare(
+    kernel: dwa_numpy.Decision, oracle: dwa_numpy.Decision, goals: np.ndarray
+) -> dict[str, Any]:
     """Sort the situations [S] by whether the choice is the oracle's, and why not."""
     other = np.flatnonzero(kernel.chosen != oracle.chosen)
-    edge = np.minimum(oracle.margin, oracle.rate_margin).min(axis=1)[other] <= EDGE
+    to_goal = np.linalg.norm(goals[:, None] - oracle.end[:, :, :2], axis=2)
+    doubt = np.minimum(np.minimum(oracle.margin, oracle.rate_margin), to_goal)
+    edge = doubt.min(axis=1)[other] <= EDGE
     ours, theirs = kernel.chosen[other], oracle.chosen[other]
     score = np.where(np.isinf(oracle.score), np.nan, oracle.score)[other]
     best, got = (score[np.arange(len(other)), np.maximum(i, 0)] for i in (theirs, ours))
@@ -86,7 +91,8 @@ def report(found: dict[str, Any]) -> str:
         f"{count:,} random situations per method ({', '.join(cases.FAMILIES)}), up to {OBSTACLES} "
         "obstacles, against NumPy in float64. Another candidate is a tie where the oracle's two "
         f"scores differ by at most {TIE:g} of themselves, an edge where one of its yes/no "
-        f"questions is within {EDGE:g} of the other answer.\n\n"
+        f"questions is within {EDGE:g} of the other answer or a prediction ends on the goal, where "
+        "there is no heading error.\n\n"
         + table(header, rows)
         + "\n\n"
         + verdict("same candidate except for ties and edges", unexplained == 0)

@@ -10,6 +10,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import usvjax  # noqa: F401, before anything starts JAX: gives it a device per core
+
 HERE = Path(__file__).parent
 PACKAGES = ("usvjax", "jax", "jaxlib", "numpy", "numba", "polars")
 
@@ -86,8 +88,6 @@ def machine() -> str:
 def _devices() -> str:
     """What JAX computes on, as "2 cpu devices"."""
     import jax
-
-    import usvjax  # noqa: F401, gives JAX a device per core
 
     found = jax.devices()
     return f"{len(found)} {found[0].device_kind} device{'s' if len(found) > 1 else ''}"

@@ -57,7 +57,7 @@ SHOWN = (PRESET, DEMO)
 """Readings that Tables 2 to 4 and Figs. 2 to 7 are made under."""
 COMPARISONS = (
     *(Comparison(reading.label, reading, reading) for reading in MAIN),
-    Comparison("hybrid: traditional cap 2r, improved no cap", DEMO, PRESET),
+    Comparison("hybrid", DEMO, PRESET),
 )
 TOP = 12
 """Lines of the ranking that are reported of each kind."""

@@ -135,6 +135,7 @@ def cap_figure(rows: Sequence[Mapping[str, Any]], caps: Mapping[str, str]) -> Fi
         axes[0, column].set_title(f"r = {radius:g} m, rate {CASES[column].rate:g}")
         ticks = [caps[r["reading"]] for r in chosen]
         axes[1, column].set_xticks(range(len(ticks)), ticks)
+        axes[1, column].set_xlim(-0.5, len(ticks) - 0.5)
         axes[1, column].set_xlabel("cap on dist (m)")
     for row in axes:
         # The columns share this axis, so only now is known how far it has to go.

@@ -33,7 +33,7 @@ def markdown(found: dict[str, Any]) -> str:
         f"them; then both methods on {maps} paired maps per radius; then what the result owes to "
         "everything that the paper does not print. Written by `usvjax reproduce tan2022`; all "
         "numbers are in `results.json`.",
-        "## Summary\n\n" + bullets(summary(found)),
+        "## Summary\n\n" + summary(found),
         "## Verdict on each table and claim\n\n" + _verdicts(found),
         "## Why\n\n" + bullets(why(found)),
         "## How the paper was read\n\n" + bullets(_readings(found)),
@@ -84,7 +84,7 @@ def _readings(found: dict[str, Any]) -> list[str]:
         '"no cap": dist is not capped and is 2 m where no obstacle counts. "cap 2r": dist is '
         "at most twice the radius, the rule of a widely used demo whose weights, accelerations "
         'and resolutions Table 1 repeats. "cap 2r, start 90 deg": that demo\'s start as well. '
-        "The hybrid asks whether each method ran under a rule of its own.",
+        '"hybrid": the traditional method with cap 2r against the improved one without a cap.',
         "An episode ends as collided when an executed position lies inside an obstacle's "
         "circle, as stuck after 20 s within 0.2 m of one place, as timed out after 150 s. "
         "Times, lengths and speeds are compared on the maps where both methods reach the goal, "
