@@ -35,7 +35,7 @@ STUDY = "usvjax study"
 def measure(quick: bool) -> dict[str, Any]:
     """Start processes with an empty cache and then with what the first one left in it."""
     starts = [FIRST] + [SECOND] * (1 if quick else SECOND_STARTS)
-    found = {name: {start: [] for start in STARTS} for name in [*_entries(), STUDY]}
+    found: dict[str, Any] = {name: {start: [] for start in STARTS} for name in [*_entries(), STUDY]}
     with tempfile.TemporaryDirectory() as cache:
         for start in starts:
             with FreshProcess(variables={"XDG_CACHE_HOME": cache}) as process:

@@ -79,7 +79,7 @@ def machine() -> str:
     return "\n".join(
         [
             f"- Machine: {_processor()}, {cores} cores, {memory:.0f} GiB",
-            f"- System: {platform.system()} {platform.release()}, {platform.machine()}",
+            f"- System: {_system()}, {platform.machine()}",
             f"- Software: Python {platform.python_version()}, {versions}",
         ]
     )
@@ -98,6 +98,13 @@ def _version(name: str) -> str:
         return version(name)
     except PackageNotFoundError:
         return "absent"
+
+
+def _system() -> str:
+    try:
+        return platform.freedesktop_os_release()["PRETTY_NAME"]
+    except (OSError, KeyError):
+        return f"{platform.system()} {platform.release()}"
 
 
 def _processor() -> str:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from time import monotonic
 from typing import Annotated, Any
 
 import tyro
@@ -75,8 +76,8 @@ class Options:
     """
 
     quick: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    out: Path | None = None
-    episodes: int | None = None
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
+    episodes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
 
 
 @dataclass(frozen=True)
@@ -125,15 +126,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
-    options = tyro.cli(Options, args=argv, prog="experiments.tan2022")
+    options = tyro.cli(Options, args=argv, prog="usvjax reproduce tan2022")
     try:
         job, folder = _job(options), _folder(options)
     except (BadInputError, BadTypeError) as error:
-        print(error, file=sys.stderr)
+        print(f"tan2022: {error}", file=sys.stderr)
         return 2
     console = Console(highlight=False)
-    with _progress(total(job.runs())) as advance:
+    episodes, begun = total(job.runs()), monotonic()
+    with _progress(episodes) as advance:
         results = sail(job.runs(), advance)
+    took = monotonic() - begun
     found, verdicts = _found(job, results)
     files = [
         _write(folder / "README.md", markdown(found)),
@@ -141,6 +144,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         *_figures(job, results, found, folder / "figures"),
     ]
     console.print(_summary(verdicts))
+    console.print(f"{episodes:,} episodes in {took:,.0f} s")
     for file in files:
         console.print(f"Written  {file}", soft_wrap=True, markup=False)
     return 0

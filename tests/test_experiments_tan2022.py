@@ -352,11 +352,11 @@ def small_run(one_device, tmp_path_factory):
     """Results of the whole program on few maps and two readings."""
     out = tmp_path_factory.mktemp("tan2022")
     job = tan2022.Job(
-        paired=Plan(2022, 40, 0),
-        one_map=Plan(2024, 24, 0),
-        varied=Plan(2023, 16, 0),
+        paired=Plan(2022, 24, 0),
+        one_map=Plan(2024, 12, 0),
+        varied=Plan(2023, 8, 0),
         readings=[read.PRESET, read.DEMO],
-        ranked=Plan(2023, 16, 0),
+        ranked=Plan(2023, 8, 0),
         combinations=[read.PRESET, read.DEMO],
     )
     with pytest.MonkeyPatch.context() as patch:
@@ -392,7 +392,7 @@ def test_recorded_episodes_are_those_of_the_tables(small_run, one_device):
     found = json.loads((small_run / "results.json").read_text())
     row = found["tables"]["cap 2r"]["3"][-1]
     case = next(case for case in read.CASES if case.radius == row["radius"])
-    runs = [Plan(2022, 40, 0).run(read.DEMO, case, method) for method in METHODS]
+    runs = [Plan(2022, 24, 0).run(read.DEMO, case, method) for method in METHODS]
     tracks = record([(run, row["map"]) for run in runs])
     centres = obstacles(runs[0], row["map"])
     for method, track in zip(METHODS, tracks, strict=True):
@@ -407,9 +407,9 @@ def test_recorded_episodes_are_those_of_the_tables(small_run, one_device):
 
 def test_a_run_writes_report_numbers_and_figures(small_run):
     found = json.loads((small_run / "results.json").read_text())
-    assert found["settings"]["paired"]["maps"] == 40
-    assert [c["maps"] for c in found["paired"][0]["cases"]] == [40, 40, 40]
-    assert all(row["maps"] == 16 for row in found["sensitivities"])
+    assert found["settings"]["paired"]["maps"] == 24
+    assert [c["maps"] for c in found["paired"][0]["cases"]] == [24, 24, 24]
+    assert all(row["maps"] == 8 for row in found["sensitivities"])
     text = (small_run / "README.md").read_text()
     headings = [line for line in text.splitlines() if line.startswith("## ")]
     assert headings[:2] == ["## Summary", "## Verdict on each table and claim"]
