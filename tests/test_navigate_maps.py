@@ -1,14 +1,19 @@
 """Episodes on a map: blocked cells as obstacles."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from navigate_episodes import PARAMS, STATIC, B, assert_same, sail
 
 import usvjax as uj
 from usvjax.navigate import NavigateResult
-from usvjax.scene import set_scene
+from usvjax.scene import _chart, set_scene
+from usvkernels.dwa import Motion
+from usvkernels.episodes import sensed
 
 NEAR_SHORE = replace(PARAMS, radius=0.6)
 SEE_ALL = 20.0  # m, from shore to shore
@@ -98,3 +103,27 @@ def test_open_water_on_a_map() -> None:
     scene = set_scene(open_water, *voyages(), None, NEAR_SHORE, STATIC, None)
     assert scene.chart is not None
     np.testing.assert_array_equal(scene.chart.table, -1)
+
+
+def test_a_swept_reach_wants_a_sensing_range() -> None:
+    water = uj.GridMap(np.zeros((20, 20), bool), 10.0)
+    params = replace(uj.preset("lake").params, radius=np.array([10.0, 20.0]), v_step=0.1)
+    starts = np.array([[50.0, 50.0, 0.0], [60.0, 50.0, 0.0]])
+    with pytest.raises(uj.BadInputError, match="sensing_range: not given"):
+        uj.navigate_dwa(water, starts, [150.0, 50.0], params=params)
+
+
+def test_past_the_edge_of_a_map_the_nearest_cell_is_sensed() -> None:
+    blocked = np.zeros((12, 40), bool)
+    blocked[8:, 10:14] = True
+    chart = _chart(uj.GridMap(blocked), 5.0)
+
+    def seen(y: float) -> np.ndarray:
+        place = jnp.array([9.0]), jnp.array([y])
+        still = jnp.zeros(1)
+        motion = Motion(*place, still, still, still)
+        episode = SimpleNamespace(motion=motion)
+        return np.asarray(sensed(jax.device_put(chart), episode))
+
+    np.testing.assert_array_equal(seen(12.1), seen(11.9))
+    assert (seen(12.1) < 100.0).any()

@@ -107,7 +107,8 @@ def navigate_dwa(
       valid: bool[B, K] (or bool[K]), False masks an obstacle.
       record: also return the trajectories; memory grows with B times `static.max_steps`.
       sensing_range: (m) with a `GridMap`, how far off shore is seen; by default as far as the
-        prediction reaches, plus braking and the radius.
+        prediction reaches, plus braking and the radius; wanted where these differ between
+        episodes.
       max_lanes: most episodes under way at once on a device; for measurements.
 
     Returns:

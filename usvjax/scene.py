@@ -218,6 +218,11 @@ def _reach(params: DwaParams, static: DwaStatic, sensing_range: float | None) ->
     """How far off shore is seen (m); by default, how far from the vessel it can matter."""
     fastest = np.maximum(np.abs(params.v_min), np.abs(params.v_max))
     if sensing_range is None:
+        if np.ndim(fastest * params.dt * params.v_dec * params.radius):
+            raise BadInputError(
+                "sensing_range: not given; wanted a length (m) where v_min, v_max, v_dec, dt or "
+                "radius differ between episodes, so that none depends on the others"
+            )
         prediction = fastest * static.horizon * np.asarray(params.dt)
         braking = fastest**2 / (2.0 * np.maximum(params.v_dec, 1e-9))
         return float(np.max(prediction + braking + params.radius))

@@ -124,9 +124,9 @@ def sensed(chart: Charted | None, episode: Episode) -> Array:
         return episode.obstacles
     width, cell = chart.width, chart.cell_size
     column = jnp.clip(jnp.floor(episode.motion.x / cell).astype(jnp.int32), 0, width - 1)
-    row = jnp.floor(episode.motion.y / cell).astype(jnp.int32)
-    index = jnp.clip(row * width + column, 0, chart.table.shape[0] - 1)
-    blocked = chart.table[index].T
+    last = chart.table.shape[0] // width - 1
+    row = jnp.clip(jnp.floor(episode.motion.y / cell).astype(jnp.int32), 0, last)
+    blocked = chart.table[row * width + column].T
     east = ((blocked % width).astype(cell.dtype) + 0.5) * cell
     north = ((blocked // width).astype(cell.dtype) + 0.5) * cell
     return jnp.where(blocked < 0, FAR, jnp.stack([east, north]))
