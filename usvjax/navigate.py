@@ -192,8 +192,8 @@ def _sail(
 ) -> NavigateResult:
     count = len(scene.start)
     devices = chosen_devices()
-    capacity = _capacity(count, len(devices), record)
-    blocks = [np.arange(i, min(i + capacity, count)) for i in range(0, count, capacity)]
+    blocks = _blocks(count, len(devices), MOST_LANES if record else MOST_ROWS)
+    capacity = max(LEAST_LANES, 1 << (len(blocks[0]) - 1).bit_length())
 
     def work(rows: np.ndarray, device: jax.Device) -> tuple[Outcome, Any, Any]:
         # Rows past the last one repeat it: shapes stay those that are compiled already.
@@ -211,10 +211,10 @@ def _sail(
     return _collect(results, blocks, scene, params, static)
 
 
-def _capacity(count: int, devices: int, record: bool) -> int:
-    share = -(-count // devices)
-    most = MOST_LANES if record else MOST_ROWS
-    return min(most, max(LEAST_LANES, 1 << (share - 1).bit_length()))
+def _blocks(count: int, devices: int, most: int) -> list[np.ndarray]:
+    """Rows 0 .. count - 1 in even blocks of at most `most`, as many for each device."""
+    per_device = -(-count // (most * devices))
+    return np.array_split(np.arange(count), min(count, per_device * devices))
 
 
 def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
