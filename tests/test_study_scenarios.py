@@ -119,6 +119,7 @@ def test_start_and_goal_are_outside_every_circle(source):
 def test_a_map_fuller_than_expected_keeps_all_its_obstacles(monkeypatch):
     roomy = LatticeMaps(rate=0.3).draw(9, JOBS, 0.5)
     monkeypatch.setattr(scenarios, "_OVERFLOW", 0.5)
+    monkeypatch.setattr(scenarios, "_ROWS", 8)
     tight = LatticeMaps(rate=0.3).draw(9, JOBS, 0.5)
     assert tight.obstacles.shape[1] == 121 > roomy.obstacles.shape[1]
     for row in range(len(JOBS)):

@@ -29,6 +29,9 @@ MAX_DISCS = 10_000
 # a shard with a fuller map is given all lattice points instead.
 _OVERFLOW = 1e-7
 
+# Conditions of nearly the same rate share their number of rows, and so their compiled kernels.
+_ROWS = 32
+
 _BLOCK = 64
 
 
@@ -279,10 +282,10 @@ def _ranks(field: np.ndarray) -> np.ndarray:
 def _compact(points: np.ndarray, chosen: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
     """Gather each job's chosen points in the first rows: float32[J, K, 2] and bool[J, K].
 
-    K is `room` rounded up to a multiple of 8, or all points where a job has more than that;
+    K is `room` rounded up to a multiple of 32, or all points where a job has more than that;
     nothing but speed depends on it, since the rest is masked.
     """
-    rows = min(max(8, -(-room // 8) * 8), len(points))
+    rows = min(max(_ROWS, -(-room // _ROWS) * _ROWS), len(points))
     counts = chosen.sum(axis=-1)
     if counts.size and counts.max() > rows:
         rows = len(points)
