@@ -148,18 +148,19 @@ class _Rows:
 
 def _the_cap(rows: _Rows) -> str:
     none, demo = PRESET.label, DEMO.label
+    capped = [
+        f"the {method} method {rows.mean(demo, method, 'path_length')} m in "
+        f"{rows.mean(demo, method, 'time')} s (published "
+        f"{radii(TABLE4.values[method, 'path_length'])} m in "
+        f"{radii(TABLE4.values[method, 'time'])} s)"
+        for method in METHODS
+    ]
     return (
         "**The cap decides the traditional method.** Without one the score pulls it to open "
         "water: it sails around the whole field, "
-        f"{rows.mean(none, 'traditional', 'path_length')} m on average where it arrives, and "
+        f"{rows.mean(none, 'traditional', 'path_length')} m on average where both arrive, and "
         f"{rows.rate(none, 'traditional', 'TIMED_OUT')} % of its episodes time out. With the cap "
-        f"at 2r it sails {rows.mean(demo, 'traditional', 'path_length')} m (published "
-        f"{radii(TABLE4.values['traditional', 'path_length'], 2)} m) in "
-        f"{rows.mean(demo, 'traditional', 'time')} s (published "
-        f"{radii(TABLE4.values['traditional', 'time'])} s) and the improved one "
-        f"{rows.mean(demo, 'improved', 'path_length')} m (published "
-        f"{radii(TABLE4.values['improved', 'path_length'], 2)} m): the paths are those of the "
-        "paper's figures, the times are not."
+        f"at 2r, {capped[0]} and {capped[1]}."
     )
 
 
