@@ -1,4 +1,4 @@
 """The experiments of the papers: every table and figure, regenerated beside the published values.
 
-One module per paper; run it with ``usvjax reproduce PAPER`` or ``python -m experiments.PAPER``.
+One package per paper; run it with ``usvjax reproduce PAPER`` or ``python -m experiments.PAPER``.
 """

@@ -210,7 +210,9 @@ def checkout(path: Path, monkeypatch) -> Path:
     """A folder with one experiment, to be run from."""
     (path / "experiments").mkdir()
     (path / "experiments" / "__init__.py").touch()
-    (path / "experiments" / "somebody2099.py").write_text(
+    (path / "experiments" / "somebody2099").mkdir()
+    (path / "experiments" / "somebody2099" / "__init__.py").touch()
+    (path / "experiments" / "somebody2099" / "__main__.py").write_text(
         'import sys\nif __name__ == "__main__":\n    print(sys.argv)\n'
     )
     for module in [name for name in sys.modules if name.partition(".")[0] == "experiments"]:

@@ -16,19 +16,19 @@ ROOT = Path(__file__).parent.parent
 if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
-from experiments import tan2022  # noqa: E402
-from experiments import tan2022_published as published  # noqa: E402
-from experiments import tan2022_ranking as ranking  # noqa: E402
-from experiments import tan2022_readings as read  # noqa: E402
-from experiments.tan2022_episodes import Episodes, Plan, obstacles, record, sail, total  # noqa: E402
-from experiments.tan2022_paired import Comparison, compare, ratio, sensitivities  # noqa: E402
-from experiments.tan2022_tables import (  # noqa: E402
+from experiments.tan2022 import __main__ as tan2022  # noqa: E402
+from experiments.tan2022 import published as published  # noqa: E402
+from experiments.tan2022 import ranking as ranking  # noqa: E402
+from experiments.tan2022 import readings as read  # noqa: E402
+from experiments.tan2022.episodes import Episodes, Plan, obstacles, record, sail, total  # noqa: E402
+from experiments.tan2022.paired import Comparison, compare, ratio, sensitivities  # noqa: E402
+from experiments.tan2022.tables import (  # noqa: E402
     one_map,
     single_maps,
     three_maps,
     twenty_maps,
 )
-from experiments.tan2022_verdicts import evidence, judge  # noqa: E402
+from experiments.tan2022.verdicts import evidence, judge  # noqa: E402
 from usvkernels.status import Status  # noqa: E402
 
 PLAN = Plan(seed=5, maps=64, few_maps=4)

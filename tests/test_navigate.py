@@ -313,3 +313,12 @@ def test_company_changes_no_bit() -> None:
         alone = sail(*(a[row] for a in CLOSE), params=UNCAPPED)
         assert_same(alone, many, slice(row, row + 1))
     assert_same(sail(*(a[100:116] for a in CLOSE), params=UNCAPPED), many, slice(100, 116))
+
+
+def test_a_heading_of_many_turns_is_the_heading() -> None:
+    turns = np.array([0.0, 1.0, -3.0, 1e6])[:, None] * 2 * np.pi
+    starts = np.concatenate([np.zeros((4, 2)), 0.7 + turns], axis=1)
+    found = uj.navigate_dwa([[3.0, 2.0]], starts, [6.0, 4.0], record=True)
+    assert found.trajectory is not None
+    np.testing.assert_allclose(found.trajectory[:, 0, 2], 0.7, atol=1e-6)
+    assert np.ptp(found.steps) == 0

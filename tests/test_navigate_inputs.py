@@ -153,7 +153,9 @@ def test_coordinates_too_large_for_single_precision(name: str, index: tuple[int,
 
 def test_start_inside_an_obstacle() -> None:
     inside = put(STARTS, (2, 1), 2.6)  # 0.4 m from obstacle 1, radius 0.5 m
-    message = "^starts: episode 2 starts inside obstacle 1; wanted a start outside every inflated"
+    message = (
+        r"^starts: episode 2 starts inside the obstacle at \(0, 3\) m; wanted a start outside every"
+    )
     assert_refused(BadInput, message, starts=inside)
     assert_refused(BadInput, message, starts=inside, obstacles=OBSTACLES[0])
     for accepted in (
@@ -174,7 +176,7 @@ def test_start_inside_an_obstacle_far_down_the_list() -> None:
     many = 20_000
     starts = np.zeros((many, 3))
     starts[-2, 0] = 3.0
-    with pytest.raises(BadInput, match="episode 19998 starts inside obstacle 0"):
+    with pytest.raises(BadInput, match=r"episode 19998 starts inside the obstacle at \(3, 0\) m"):
         uj.navigate_dwa(OBSTACLES[0], starts, GOALS[0])
 
 
@@ -302,7 +304,7 @@ def test_radius_that_lets_a_vessel_slip_between_cells(radius: Any) -> None:
 def test_start_inside_the_circle_of_a_cell() -> None:
     ashore = AFLOAT.copy()
     ashore[0, :2] = (111.9, 209.0)  # on water, 1.1 m from the centre of the blocked cell
-    message = "starts: episode 0 starts inside obstacle"
+    message = r"starts: episode 0 starts inside the obstacle at \(113, 209\) m"
     assert_refused_on_lake(BadInput, message, starts=ashore)
 
 

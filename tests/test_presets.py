@@ -207,7 +207,7 @@ def test_sweeps_of_the_wrong_shape(value: Any, episodes: int | None, wanted: str
     [
         ({"method": "tradtional"}, uj.BadInputError, "got 'tradtional'.*mean 'traditional'"),
         ({"method": "Improved"}, uj.BadInputError, "got 'Improved'.*mean 'improved'"),
-        ({"method": None}, uj.BadInputError, "got None; wanted 'traditional' or 'improved'"),
+        ({"method": None}, uj.BadInputError, "got None; valid: improved, traditional"),
         ({"clearance": "endpoints"}, uj.BadInputError, "got 'endpoints'.*mean 'endpoint'"),
         ({"clearance_score": "reciprocol"}, uj.BadInputError, ".*mean 'reciprocal'"),
         ({"normalise": "summ"}, uj.BadInputError, "got 'summ'.*mean 'sum'"),

@@ -11,7 +11,7 @@ import numpy as np
 
 from usvjax.study.fields import read_table
 from usvjax.study.workload import Metric, Prepared, get_workload, register_kind
-from usvkernels.status import Status
+from usvkernels.status import EPISODE_ENDINGS, Status
 
 KIND = "toy"
 
@@ -44,7 +44,7 @@ class ToyWorkload:
         Metric("clearance", "m", "Clearance"),
         Metric("steps", "", "Steps", integer=True, summarised=False),
     )
-    statuses: type[IntEnum] = Status
+    endings: tuple[IntEnum, ...] = EPISODE_ENDINGS
     success: IntEnum = Status.REACHED
 
     def prepare(

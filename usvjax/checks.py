@@ -43,16 +43,14 @@ def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndar
 
 
 def one_of(name: str, value: object, allowed: Iterable[str]) -> None:
-    """Refuse a value that is not among the allowed names, naming the nearest.
+    """Refuse a value that is not among the allowed names.
 
     Raises:
-      BadInputError: naming the argument, the value and what is allowed.
+      BadInputError: naming the argument, the value and the nearest name, or all of them.
     """
     allowed = list(allowed)
     if value not in allowed:
-        listed = " or ".join(repr(a) for a in allowed)
-        hint = did_you_mean(str(value), allowed)
-        raise BadInputError(f"{name}: got {value!r}; wanted {listed}; {hint}")
+        raise BadInputError(f"{name}: got {value!r}; {did_you_mean(str(value), allowed)}")
 
 
 def whole_number(name: str, value: object, least: int) -> int:

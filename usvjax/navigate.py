@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields
 from functools import partial
+from threading import Lock
 from typing import Any
 
 import jax
@@ -21,6 +22,8 @@ MOST_LANES = 256  # state of a step stays within the second-level cache
 MOST_ROWS = 8192  # episodes per call of a device; memory does not grow past it
 JOBS_PER_LANE = 4  # at least, or lanes idle for want of a next job
 CHUNK = 32  # steps between two refills
+
+_tracing = Lock()
 
 
 @dataclass(frozen=True)
@@ -202,13 +205,20 @@ def _sail(
         own = _params_of(params, padded)
         jobs, own = jax.device_put((jobs, own), device)
         if record:
-            return jax.device_get(_record(jobs, own, static))
+            return jax.device_get(_once_traced(_record, jobs, own, static))
         width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
-        outcome, usage = _run(jobs, own, static, np.int32(len(rows)), width)
-        return (*jax.device_get((outcome, usage)), None)
+        found = _once_traced(_run, jobs, own, static, np.int32(len(rows)), width)
+        return (*jax.device_get(found), None)
 
     results = list(share_out(work, blocks, devices))
     return _collect(results, blocks, scene, params, static)
+
+
+def _once_traced(kernel: Any, *arguments: Any) -> Any:
+    """Call a jitted kernel; of several devices, the first traces it for all."""
+    with _tracing:
+        kernel.trace(*arguments)
+    return kernel(*arguments)
 
 
 def _blocks(count: int, devices: int, most: int) -> list[np.ndarray]:

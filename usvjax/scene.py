@@ -68,6 +68,8 @@ def set_scene(
     count = max(len(start), len(goal), maps)
     count = count if count > 1 else _sets(params)
     check_dwa(params, static, count)
+    # Wrapped in double precision: single loses the angle of a heading of many turns.
+    start = np.column_stack([start[:, :2], (start[:, 2] + np.pi) % (2 * np.pi) - np.pi])
     start, goal = _repeat("starts", start, count), _repeat("goals", goal, count)
     for name, points in (("starts", start[:, :2]), ("goals", goal)):
         _refuse_remote(name, points - (obstacles.origin if on_map else 0.0))
@@ -132,7 +134,7 @@ def _among_circles(
         shown = _mask(valid, (len(start), centres.shape[1]))
         centres = np.where(shown[..., None], centres, FAR)
     packed = padded(centres).astype(np.float32)
-    _refuse_inside(packed, start, np.asarray(params.radius, np.float64))
+    _refuse_inside(packed, start, np.asarray(params.radius, np.float64), np.zeros(2))
     return Scene(start, goal, np.zeros(2), packed, None)
 
 
@@ -157,7 +159,9 @@ def padded(centres: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(packed.transpose(0, 2, 1))
 
 
-def _refuse_inside(packed: np.ndarray, start: np.ndarray, radius: np.ndarray) -> None:
+def _refuse_inside(
+    packed: np.ndarray, start: np.ndarray, radius: np.ndarray, origin: np.ndarray
+) -> None:
     for first in range(0, len(start), ROWS_AT_ONCE):
         rows = slice(first, first + ROWS_AT_ONCE)
         centres = packed[rows] if len(packed) > 1 else packed
@@ -165,8 +169,9 @@ def _refuse_inside(packed: np.ndarray, start: np.ndarray, radius: np.ndarray) ->
         inside = (offset**2).sum(axis=1) < np.reshape(_of_rows(radius, rows), (-1, 1)) ** 2
         if inside.any():
             row, k = (int(i) for i in np.argwhere(inside)[0])
+            x, y = (centres[row] if len(centres) > 1 else centres[0])[:, k] + origin
             raise BadInputError(
-                f"starts: episode {first + row} starts inside obstacle {k}; "
+                f"starts: episode {first + row} starts inside the obstacle at ({x:g}, {y:g}) m; "
                 "wanted a start outside every inflated circle"
             )
 
@@ -209,8 +214,8 @@ def _on_chart(
         obstacles=None,
         chart=_chart(grid, reach),
     )
-    sensed = _sensed_at(scene)
-    _refuse_inside(sensed, scene.start, np.asarray(params.radius, np.float64))
+    radius = np.asarray(params.radius, np.float64)
+    _refuse_inside(_sensed_at(scene), scene.start, radius, origin)
     return scene
 
 

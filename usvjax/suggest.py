@@ -15,7 +15,8 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
       Such as "did you mean 'radius'?".
     """
     names = sorted(valid)
-    near = difflib.get_close_matches(given, names, n=1, cutoff=0.5)
+    folded = {name.lower(): name for name in names}
+    near = difflib.get_close_matches(given.lower(), folded, n=1, cutoff=0.5)
     if near:
-        return f"did you mean {near[0]!r}?"
+        return f"did you mean {folded[near[0]]!r}?"
     return f"valid: {', '.join(names)}" if names else "no name is valid here"

@@ -29,22 +29,34 @@ def nearest_squared(
     obstacles: Array, point: Complex, counted: list[Array] | None, least: Array
 ) -> Array:
     """Running minimum of the squared distance from `point` to the obstacles [2, block, lanes]."""
-    for k in range(obstacles.shape[1]):
-        east, north = obstacles[0, k] - point[0], obstacles[1, k] - point[1]
-        squared = east * east + north * north
-        if counted is not None:
-            squared = jnp.where(counted[k], squared, jnp.inf)
-        least = jnp.minimum(least, squared)
+    for k, centre in enumerate(centres(obstacles)):
+        least = _nearer(centre, point, None if counted is None else counted[k], least)
     return least
 
 
-def in_sector(offset: Complex, ahead: Complex, half_angle: Scalar, radius: Scalar) -> Array:
+def centres(obstacles: Array) -> list[Complex]:
+    """The obstacles [2, K, lanes] one by one, K times [lanes] and [lanes]."""
+    return list(zip(jnp.unstack(obstacles[0]), jnp.unstack(obstacles[1]), strict=True))
+
+
+@jax.jit  # traced once for all obstacles of an unrolled chain, and inlined again by XLA
+def _nearer(centre: Complex, point: Complex, counts: Array | None, least: Array) -> Array:
+    east, north = centre[0] - point[0], centre[1] - point[1]
+    squared = east * east + north * north
+    return jnp.minimum(least, squared if counts is None else jnp.where(counts, squared, jnp.inf))
+
+
+@jax.jit  # as `_nearer`
+def in_sector(
+    centre: Complex, point: Complex, ahead: Complex, half_angle: Scalar, radius: Scalar
+) -> Array:
     """Whether an obstacle's circle meets the search sector at P (Tan et al. 2022, Fig. 1).
 
-    That is, whether its centre, at `offset` from P, is within the radius of the sector: by its
-    distance from the nearer ray (not above 0 inside the sector), where the foot lies on the
-    ray, or from P itself.
+    That is, whether its centre is within the radius of the sector that opens from `point`, P,
+    about the direction `ahead`: by its distance from the nearer ray (not above 0 inside the
+    sector), where the foot lies on the ray, or from P itself.
     """
+    offset = (centre[0] - point[0], centre[1] - point[1])
     sin, cos = sincos(half_angle)
     sin = jnp.abs(sin)  # at pi, rounding makes it negative and would drop what is dead ahead
     along = offset[0] * ahead[0] + offset[1] * ahead[1]

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from usvkernels.clearance import FAR, Scalar, fold_blocks, in_sector, nearest_squared
+from usvkernels.clearance import FAR, Scalar, centres, fold_blocks, in_sector, nearest_squared
 from usvkernels.trig import angle_between, sincos
 from usvkernels.vessel import Complex, complex_product, geometric_sum
 
@@ -223,13 +223,8 @@ def _clearance(
         counted = None
         if static.method == "improved":
             counted = [
-                in_sector(
-                    (block[0, k] - end[0], block[1, k] - end[1]),
-                    ahead,
-                    params.search_angle,
-                    params.radius,
-                )
-                for k in range(block.shape[1])
+                in_sector(centre, end, ahead, params.search_angle, params.radius)
+                for centre in centres(block)
             ]
         if static.clearance == "endpoint":
             return nearest_squared(block, end, counted, least)
@@ -302,13 +297,16 @@ def predicted_paths(params: DwaParams, static: DwaStatic, motion: Motion) -> Arr
     """
     v_i, _, w_j, _ = window(params, static, motion.v, motion.w)
     fan = _predict(params, static, motion.psi, w_j)
-    chord, direction = (jnp.zeros_like(w_j), jnp.zeros_like(w_j)), fan.first
-    chords = [chord]
-    for _ in range(static.horizon):
-        chord = (chord[0] + params.dt * direction[0], chord[1] + params.dt * direction[1])
-        direction = complex_product(direction, fan.turn)
-        chords.append(chord)
-    relative = jnp.stack([jnp.stack(chord, axis=-1) for chord in chords], axis=1)
+    origin = jnp.zeros((*w_j.shape, 2), w_j.dtype)
+    dt = jnp.asarray(params.dt, w_j.dtype)[..., None]
+
+    def advance(carry: tuple[Array, Complex], _: None) -> tuple[tuple[Array, Complex], Array]:
+        chord, direction = carry
+        chord = chord + dt * jnp.stack(direction, axis=-1)
+        return (chord, complex_product(direction, fan.turn)), chord
+
+    _, chords = jax.lax.scan(advance, (origin, fan.first), None, length=static.horizon)
+    relative = jnp.concatenate([origin[None], chords]).swapaxes(0, 1)
     position = jnp.stack([motion.x, motion.y], axis=-1)
     return position + v_i[:, None, None, :, None] * relative
 

@@ -17,11 +17,8 @@ from jax import Array
 Tree = Any
 """A pytree of arrays."""
 
-NARROWING = 8
-"""How many times fewer lanes the last jobs get."""
-
 LEAST_LANES = 16
-"""Fewer than this do not fill the processor's vectors."""
+"""Lanes that just fill the processor's vectors; the last jobs run in blocks of so many."""
 
 
 @dataclass(frozen=True)
@@ -83,9 +80,9 @@ def run(
       chunk: steps between two refills, static.
       max_steps: steps after which any job is done, static; bounds the loop.
       refill: False gives out new jobs only when all lanes have finished (for comparison).
-      narrow: when the queue is empty and few jobs are left, move these into fewer lanes; lengths
+      narrow: when the queue is empty, gather the jobs under way in small blocks of lanes; lengths
         are heavy-tailed, and the last jobs would otherwise pay for all lanes. Compiles the step
-        once more for each width.
+        a second time, for that width.
 
     Returns:
       The results, leaves [capacity, ...] with rows from n_jobs on zero, and the lanes' usage.
@@ -102,25 +99,11 @@ def run(
         usage=Usage(busy=jnp.int32(0), total=jnp.int32(0)),
         chunks=jnp.int32(0),
     )
-    widths = _widths(lanes) if narrow and refill else [lanes]
-    for width, next_width in zip(widths, [*widths[1:], 0], strict=True):
-        queue = _narrowed(queue, n_jobs, width)
-        queue = _work(program, queue, n_jobs, chunk, max_steps, refill, next_width)
+    drain = narrow and refill
+    queue = _work(program, queue, n_jobs, chunk, max_steps, refill, to_the_end=not drain)
+    if drain:
+        queue = _drain(program, queue, n_jobs, chunk, max_steps)
     return queue.results, queue.usage
-
-
-def _widths(lanes: int) -> list[int]:
-    """Lane counts to work through, the first for nearly all jobs."""
-    return [lanes, lanes // NARROWING] if lanes // NARROWING >= LEAST_LANES else [lanes]
-
-
-def _narrowed(queue: _Queue, n_jobs: Array, width: int) -> _Queue:
-    """The queue with its unfinished jobs gathered in the first `width` lanes, the others cut."""
-    if queue.job.shape[0] == width:
-        return queue
-    lane = jnp.argsort(queue.job >= n_jobs, stable=True)[:width]
-    state = jax.tree.map(lambda leaf: jnp.take(leaf, lane, axis=-1), queue.state)
-    return replace(queue, state=state, job=queue.job[lane])
 
 
 def _work(
@@ -130,28 +113,22 @@ def _work(
     chunk: int,
     max_steps: int,
     refill: bool,
-    next_width: int,
+    to_the_end: bool,
 ) -> _Queue:
-    """Work until all is done, or until what is left fits into `next_width` lanes."""
-    capacity = jax.tree.leaves(queue.results)[0].shape[0]
+    """Work in all lanes until the queue is empty and one of them idle, or to the very end."""
     lanes = queue.job.shape[0]
     # Enough chunks for all jobs one after the other: reached only if `done` never comes true.
     bound = n_jobs * (-(-max_steps // chunk) + 1)
 
     def unfinished(queue: _Queue) -> Array:
-        left = jnp.sum(queue.job < n_jobs, dtype=jnp.int32)
-        fits = (queue.next_job >= n_jobs) & (left <= next_width)
-        return ~fits & (left > 0) & (queue.chunks < bound)
+        busy = queue.job < n_jobs
+        wanted = jnp.any(busy) if to_the_end else jnp.all(busy)
+        return wanted & (queue.chunks < bound)
 
     def turn(queue: _Queue) -> _Queue:
         state, busy = _advance(program, queue.state, queue.job < n_jobs, chunk)
         ended = program.done(state) & (queue.job < n_jobs)
-        row = jnp.where(ended, queue.job, capacity)
-        results = jax.tree.map(
-            lambda out, new: out.at[row].set(new, mode="drop"),
-            queue.results,
-            program.result(state),
-        )
+        results = _written(queue.results, program.result(state), queue.job, ended)
         take = ended if refill else ended & jnp.all(ended | (queue.job >= n_jobs))
         given = queue.next_job + jnp.cumsum(take, dtype=jnp.int32) - 1
         job = jnp.where(take, given, queue.job)
@@ -167,6 +144,68 @@ def _work(
         )
 
     return jax.lax.while_loop(unfinished, turn, queue)
+
+
+def _drain(program: Program, queue: _Queue, n_jobs: Array, chunk: int, max_steps: int) -> _Queue:
+    """Finish the jobs that are under way, a block of lanes after the other.
+
+    Lengths are heavy-tailed. Blocks that hold no job cost nothing, and before each chunk the
+    unfinished jobs gather in the first of them.
+    """
+    lanes = queue.job.shape[0]
+    width = min(lanes, LEAST_LANES)
+    if lanes % width:
+        idle = width - lanes % width
+        state = jax.tree.map(lambda a: jnp.concatenate([a, a[..., :idle]], axis=-1), queue.state)
+        job = jnp.concatenate([queue.job, jnp.broadcast_to(n_jobs, idle)])
+        queue = replace(queue, state=state, job=job)
+    bound = -(-max_steps // chunk) + 1
+    first_chunk = queue.chunks
+
+    def unfinished(queue: _Queue) -> Array:
+        return jnp.any(queue.job < n_jobs) & (queue.chunks < first_chunk + bound)
+
+    def turn(queue: _Queue) -> _Queue:
+        order = jnp.argsort(queue.job >= n_jobs, stable=True)
+        state = jax.tree.map(lambda leaf: jnp.take(leaf, order, axis=-1), queue.state)
+        job = queue.job[order]
+        blocks = -(-jnp.sum(job < n_jobs, dtype=jnp.int32) // width)
+
+        def advance(block: Array, carry: tuple[Tree, Array]) -> tuple[Tree, Array]:
+            state, busy = carry
+            part = jax.tree.map(lambda leaf: _block(leaf, block, width), state)
+            part, more = _advance(program, part, _block(job, block, width) < n_jobs, chunk)
+            return jax.tree.map(partial(_put_block, block=block), state, part), busy + more
+
+        state, busy = jax.lax.fori_loop(0, blocks, advance, (state, jnp.int32(0)))
+        ended = program.done(state) & (job < n_jobs)
+        usage = queue.usage
+        return _Queue(
+            state=state,
+            job=jnp.where(ended, n_jobs, job),
+            next_job=queue.next_job,
+            results=_written(queue.results, program.result(state), job, ended),
+            usage=Usage(busy=usage.busy + busy, total=usage.total + blocks * chunk * width),
+            chunks=queue.chunks + 1,
+        )
+
+    return jax.lax.while_loop(unfinished, turn, queue)
+
+
+def _block(leaf: Array, block: Array, width: int) -> Array:
+    return jax.lax.dynamic_slice_in_dim(leaf, block * width, width, axis=-1)
+
+
+def _put_block(leaf: Array, part: Array, block: Array) -> Array:
+    at = block * part.shape[-1]
+    return jax.lax.dynamic_update_slice_in_dim(leaf, part, at, axis=-1)
+
+
+def _written(results: Tree, rows: Tree, job: Array, ended: Array) -> Tree:
+    """Results with the rows of the jobs that ended at their places."""
+    capacity = jax.tree.leaves(results)[0].shape[0]
+    place = jnp.where(ended, job, capacity)
+    return jax.tree.map(lambda out, new: out.at[place].set(new, mode="drop"), results, rows)
 
 
 def record(

@@ -11,3 +11,11 @@ class Status(IntEnum):
     COLLIDED = 2
     STUCK = 3
     TIMED_OUT = 4
+    FOUND = 10  # a path; the searches' success
+    UNREACHABLE = 11  # proven: no path
+    OUT_OF_BUDGET = 12  # a bound on steps or on length was met first
+    BLOCKED = 13  # start or goal lies on a blocked cell
+
+
+EPISODE_ENDINGS = (Status.REACHED, Status.COLLIDED, Status.STUCK, Status.TIMED_OUT)
+SEARCH_ENDINGS = (Status.FOUND, Status.UNREACHABLE, Status.OUT_OF_BUDGET, Status.BLOCKED)

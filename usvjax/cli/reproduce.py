@@ -59,9 +59,9 @@ def _checkout() -> Path:
 
 
 def _papers(root: Path) -> list[str]:
-    """List the papers that a checkout has experiments for; their names end in a year."""
-    files = (root / "experiments").glob("[a-z]*.py")
-    return sorted(path.stem for path in files if path.stem[-4:].isdigit())
+    """List the papers that a checkout has experiments for, a package each."""
+    programs = (root / "experiments").glob("*/__main__.py")
+    return sorted(path.parent.name for path in programs)
 
 
 @contextmanager

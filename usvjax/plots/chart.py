@@ -11,9 +11,9 @@ from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.plots import base_map, style
 from usvjax.plots.paths import clean_track
-from usvkernels.status import Status
+from usvkernels.status import EPISODE_ENDINGS, Status
 
-STATUS_ORDER = (*sorted(Status)[1:], Status.RUNNING)
+STATUS_ORDER = (*EPISODE_ENDINGS, Status.RUNNING)
 
 
 @style.styled

@@ -203,7 +203,7 @@ def status_name(status: int) -> str:
         BadInputError: The code is none of `usvkernels.status.Status`.
     """
     if int(status) not in STATUS_LABEL:
-        wanted = ", ".join(f"{code.value} {code.name}" for code in Status)
+        wanted = ", ".join(f"{code.value} {code.name}" for code in map(Status, STATUS_LABEL))
         raise BadInputError(f"status is {status}; one of {wanted} was wanted")
     return STATUS_LABEL[int(status)]
 

@@ -26,7 +26,7 @@ from usvjax.study.waters import GridMaps, Water
 from usvjax.study.workload import Metric, Prepared
 from usvjax.suggest import did_you_mean
 from usvkernels.dwa import DwaParams, DwaStatic
-from usvkernels.status import Status
+from usvkernels.status import EPISODE_ENDINGS, Status
 
 DEFAULT_PRESET = "tan2022"
 
@@ -63,7 +63,7 @@ class DwaWorkload:
         Metric("min_clearance", "m", "Min clearance"),
         Metric("steps", "", "Steps", integer=True, summarised=False),
     )
-    statuses: type[IntEnum] = Status
+    endings: tuple[IntEnum, ...] = EPISODE_ENDINGS
     success: IntEnum = Status.REACHED
 
     def prepare(

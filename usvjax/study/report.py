@@ -40,7 +40,7 @@ def markdown(summary: dict[str, Any]) -> str:
 
 
 def terminal(summary: dict[str, Any]) -> Group:
-    """Lay a summary out for a terminal of 100 columns.
+    """Lay a summary out for a terminal of 80 columns.
 
     Args:
         summary: from `usvjax.study.summary.summarise`.
@@ -54,11 +54,12 @@ def terminal(summary: dict[str, Any]) -> Group:
         _rich_table(
             f"How episodes ended (% of episodes, {percent} interval)",
             *_short_outcomes(summary),
+            words=2,
         ),
     ]
     if len(study["methods"]) > 1:
         title = f"Difference to {study['baseline']}, over the n episodes where both succeed"
-        parts.append(_rich_table(title, *_short_differences(summary)))
+        parts.append(_rich_table(f"\n{title}", *_short_differences(summary), words=1))
     stopped = _stopping_note(summary)
     return Group(*parts, *([Text(stopped)] if stopped else []))
 
@@ -238,14 +239,11 @@ def _short_differences(summary: dict[str, Any]) -> tuple[list[str], list[list[st
                         p_value(gap["p_t_holm"]),
                     ]
                 )
-            # Non-breaking spaces: only the label of the condition may wrap.
-            count = f"\u00a0 n\u00a0=\u00a0{success['both']:,}"
-            margin = [condition["label"], f"\u00a0 {pair['method']}", count]
-            margin += [""] * (len(body) - len(margin))
-            rows += [[edge, *row] for edge, row in zip(margin, body, strict=True)]
+            rows.append([condition["label"]])
+            rows.append([f"{pair['method']}, n = {success['both']:,}"])
+            rows += [[f"\u00a0{name}", *row] for name, *row in body]
             rows.append([])
-    header = ["Condition", "Figure", "Baseline", "Method", "Difference", "Change", "p (Holm)"]
-    return header, rows
+    return ["Figure", "Baseline", "Method", "Difference", "Change", "p (Holm)"], rows
 
 
 def _success_rates(success: dict[str, Any]) -> tuple[float | None, float | None]:
@@ -305,19 +303,24 @@ def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
     )
 
 
-def _rich_table(title: str, header: list[str], rows: list[list[str]]) -> Table:
-    """Lay out rows; the first column may wrap, an empty row separates conditions."""
+def _rich_table(title: str, header: list[str], rows: list[list[str]], words: int) -> Table:
+    """Lay out rows; the first column may wrap, an empty row separates conditions.
+
+    The first `words` columns hold words, the others figures.
+    """
     table = Table(
         title=title,
         title_justify="left",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
+        show_edge=False,
+        padding=(0, 0),
         collapse_padding=True,
     )
     for index, name in enumerate(header):
         table.add_column(
             name,
-            justify="left" if index < 2 else "right",
+            justify="left" if index < words else "right",
             no_wrap=index > 0,
             min_width=16 if index == 0 else None,
         )

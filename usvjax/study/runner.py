@@ -318,9 +318,7 @@ def _check_columns(
 ) -> None:
     """Raise RuntimeError where a workload broke its contract; a defect, not a user's mistake."""
     status = columns["status"]
-    known = np.isin(status, [int(s) for s in spec.workload.statuses])
-    running = [int(s) for s in spec.workload.statuses if s.name == "RUNNING"]
-    unfinished = ~known | np.isin(status, running)
+    unfinished = ~np.isin(status, [int(s) for s in spec.workload.endings])
     if unfinished.any():
         job = jobs[unfinished.argmax()]
         raise RuntimeError(f"job {job} of {place} has no ending: {status[unfinished.argmax()]}")

@@ -111,11 +111,10 @@ def _method(
 ) -> dict[str, Any]:
     """Counts, rates and averages of one method."""
     status = table["status"].to_numpy()
-    counts = {s.name: int((status == int(s)).sum()) for s in spec.workload.statuses}
+    counts = {s.name: int((status == int(s)).sum()) for s in spec.workload.endings}
     rates = {
         name: {"count": count, **asdict(wilson(count, len(status), progress.level))}
         for name, count in counts.items()
-        if name != "RUNNING"
     }
     own = table.filter(pl.col("status") == int(spec.workload.success))
     figures = _averages(spec, [own], progress.level, (condition.index, _rank(spec, method), 0))

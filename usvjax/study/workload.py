@@ -63,14 +63,14 @@ class Workload(Protocol):
         sections: TOML tables that it reads, such as ("maps", "params", "static").
         methods: methods that it can run, in the order of the default table.
         metrics: columns of its results, besides job, condition, method and status.
-        statuses: the codes in the status column.
+        endings: the codes that the status column may hold, in the order of the tables.
         success: the code that counts as success.
     """
 
     sections: tuple[str, ...]
     methods: tuple[str, ...]
     metrics: tuple[Metric, ...]
-    statuses: type[IntEnum]
+    endings: tuple[IntEnum, ...]
     success: IntEnum
 
     def prepare(

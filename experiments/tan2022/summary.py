@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from experiments.tan2022_markdown import bullets, grid, radii
-from experiments.tan2022_published import METHODS, METRICS, RADII, TABLE4, TABLE4_MAPS
-from experiments.tan2022_readings import DEMO, DEMO_START, PRESET
+from experiments.tan2022.markdown import bullets, grid, radii
+from experiments.tan2022.published import METHODS, METRICS, RADII, TABLE4, TABLE4_MAPS
+from experiments.tan2022.readings import DEMO, DEMO_START, PRESET
 
 _VERBS = {
     "reproduces": "Reproduces",

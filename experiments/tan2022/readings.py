@@ -5,7 +5,7 @@ from itertools import product
 from math import degrees, inf, pi
 from typing import Any
 
-from experiments.tan2022_published import RADII
+from experiments.tan2022.published import RADII
 from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
 from usvkernels.dwa import DwaParams, DwaStatic
 

@@ -19,12 +19,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 import usvjax as uj
-from experiments.tan2022_episodes import Plan, Results, Run, sail, total
-from experiments.tan2022_figures import cap_figure, draw_maps, draw_paired
-from experiments.tan2022_paired import Comparison, compare, sensitivities
-from experiments.tan2022_published import METHODS, arithmetic, cap_bounds
-from experiments.tan2022_ranking import Match, rank, with_hits
-from experiments.tan2022_readings import (
+from experiments.tan2022.episodes import Plan, Results, Run, sail, total
+from experiments.tan2022.figures import cap_figure, draw_maps, draw_paired
+from experiments.tan2022.paired import Comparison, compare, sensitivities
+from experiments.tan2022.published import METHODS, arithmetic, cap_bounds
+from experiments.tan2022.ranking import Match, rank, with_hits
+from experiments.tan2022.readings import (
     CAPS,
     CASES,
     DEMO,
@@ -36,20 +36,20 @@ from experiments.tan2022_readings import (
     quick_readings,
     readings,
 )
-from experiments.tan2022_report import markdown
-from experiments.tan2022_tables import (
+from experiments.tan2022.report import markdown
+from experiments.tan2022.tables import (
     everything_shown,
     one_map,
     single_maps,
     three_maps,
     twenty_maps,
 )
-from experiments.tan2022_verdicts import Verdict, evidence, judge
+from experiments.tan2022.verdicts import Verdict, evidence, judge
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.plots import save
 from usvjax.plots.style import write_atomically
 
-RESULTS = Path(__file__).parent / "results" / "tan2022"
+RESULTS = Path(__file__).parent.parent / "results" / "tan2022"
 QUICK_RESULTS = Path("runs") / "tan2022_quick"
 
 MAIN = (PRESET, DEMO, DEMO_START)

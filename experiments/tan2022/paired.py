@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from experiments.tan2022_episodes import Episodes, Plan, Results
-from experiments.tan2022_published import METHODS, METRICS, RADII, TABLE4
-from experiments.tan2022_readings import CASES, Case, Reading
-from experiments.tan2022_tables import per_map_change
+from experiments.tan2022.episodes import Episodes, Plan, Results
+from experiments.tan2022.published import METHODS, METRICS, RADII, TABLE4
+from experiments.tan2022.readings import CASES, Case, Reading
+from experiments.tan2022.tables import per_map_change
 from usvjax.study.statistics import (
     RESAMPLES,
     averages,

@@ -6,9 +6,9 @@ from math import exp
 
 import numpy as np
 
-from experiments.tan2022_episodes import Episodes
-from experiments.tan2022_published import METHODS, METRICS, RADII, TABLE4, TABLE4_MAPS
-from experiments.tan2022_readings import CASES, Reading
+from experiments.tan2022.episodes import Episodes
+from experiments.tan2022.published import METHODS, METRICS, RADII, TABLE4, TABLE4_MAPS
+from experiments.tan2022.readings import CASES, Reading
 
 LEAST_COMMON = 10
 """Maps on which both methods must succeed, at each radius, for an average worth ranking."""

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tan2022_episodes import Plan, Results
-from experiments.tan2022_paired import Comparison
-from experiments.tan2022_published import (
+from experiments.tan2022.episodes import Plan, Results
+from experiments.tan2022.paired import Comparison
+from experiments.tan2022.published import (
     METHODS,
     METRICS,
     TABLE2,
@@ -17,9 +17,9 @@ from experiments.tan2022_published import (
     TABLE4_MAPS,
     PublishedTable,
 )
-from experiments.tan2022_ranking import common_tables, of_twenty
-from experiments.tan2022_readings import CASES, ONE_MAP_CASES, Case
-from experiments.tan2022_tables import per_map_change
+from experiments.tan2022.ranking import common_tables, of_twenty
+from experiments.tan2022.readings import CASES, ONE_MAP_CASES, Case
+from experiments.tan2022.tables import per_map_change
 
 ALPHA = 0.05
 _HALF_UNIT = 0.005
@@ -62,7 +62,7 @@ class Evidence:
 
     Attributes:
         comparison: its readings.
-        row: of `tan2022_paired.compare`.
+        row: of `paired.compare`.
         tables: per radius, values on the maps where both succeed, float[2, n, 3].
         one_map: the same on the maps of Table 2.
     """

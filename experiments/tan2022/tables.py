@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tan2022_episodes import Episodes, Plan, Results, Run
-from experiments.tan2022_published import METHODS, METRICS, TABLE4_MAPS
-from experiments.tan2022_readings import CASES, ONE_MAP_CASES, Case, Reading
+from experiments.tan2022.episodes import Episodes, Plan, Results, Run
+from experiments.tan2022.published import METHODS, METRICS, TABLE4_MAPS
+from experiments.tan2022.readings import CASES, ONE_MAP_CASES, Case, Reading
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from experiments.tan2022_appendix import arithmetic, ranking, sensitivities
-from experiments.tan2022_markdown import ENDINGS, UNITS, WORDS, bullets, ends, grid, interval, share
-from experiments.tan2022_published import (
+from experiments.tan2022.appendix import arithmetic, ranking, sensitivities
+from experiments.tan2022.markdown import ENDINGS, UNITS, WORDS, bullets, ends, grid, interval, share
+from experiments.tan2022.published import (
     METHODS,
     METRICS,
     RADII,
@@ -13,7 +13,7 @@ from experiments.tan2022_published import (
     TABLE4,
     PublishedTable,
 )
-from experiments.tan2022_summary import summary, why
+from experiments.tan2022.summary import summary, why
 from usvjax.study.report import p_value
 
 

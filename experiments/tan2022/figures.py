@@ -9,11 +9,11 @@ import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.tan2022_episodes import Episodes, Plan, Results, obstacles, record
-from experiments.tan2022_paired import Comparison
-from experiments.tan2022_published import METHODS, RADII, TABLE4
-from experiments.tan2022_readings import CASES
-from experiments.tan2022_tables import Shown
+from experiments.tan2022.episodes import Episodes, Plan, Results, obstacles, record
+from experiments.tan2022.paired import Comparison
+from experiments.tan2022.published import METHODS, RADII, TABLE4
+from experiments.tan2022.readings import CASES
+from experiments.tan2022.tables import Shown
 from usvjax import plots
 from usvjax.plots import style
 
@@ -119,7 +119,7 @@ def cap_figure(rows: Sequence[Mapping[str, Any]], caps: Mapping[str, str]) -> Fi
     """Draw time ratio and success against the cap on dist, one column per radius.
 
     Args:
-        rows: of `tan2022_paired.sensitivities`.
+        rows: of `paired.sensitivities`.
         caps: label of a reading to its place on the axis, in the order wanted.
 
     Returns:

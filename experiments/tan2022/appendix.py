@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from experiments.tan2022_markdown import ENDINGS, WORDS, grid, interval
-from experiments.tan2022_published import METHODS, METRICS, RADII, TABLE4
-from experiments.tan2022_ranking import LEAST_COMMON
+from experiments.tan2022.markdown import ENDINGS, WORDS, grid, interval
+from experiments.tan2022.published import METHODS, METRICS, RADII, TABLE4
+from experiments.tan2022.ranking import LEAST_COMMON
 
 
 def sensitivities(found: dict[str, Any]) -> str:

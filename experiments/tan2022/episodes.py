@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 import usvjax as uj
-from experiments.tan2022_published import METRICS
-from experiments.tan2022_readings import FEW_MAPS, Case, Reading
+from experiments.tan2022.published import METRICS
+from experiments.tan2022.readings import FEW_MAPS, Case, Reading
 from usvjax.study.scenarios import Scenarios, Source
 from usvkernels.dwa import FAR, DwaParams, DwaStatic
 from usvkernels.status import Status
