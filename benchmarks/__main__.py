@@ -18,6 +18,12 @@ NAMES = (
     "lane_invariance",
     "compile_time",
     "study_resume",
+    "search_oracle",
+    "search_peers",
+    "pqueue_designs",
+    "dstar_oracle",
+    "dstar_replanning",
+    "turning_corners",
 )
 
 

@@ -242,3 +242,21 @@ def test_the_library_sails_them_the_same(
     with jax.default_device(jax.devices("cpu")[0]):
         one = uj.navigate_dwa(obstacles, starts, goals, params=PARAMS, static=STATIC)
     assert_same(one, want)
+
+
+@pytest.mark.parametrize("max_steps", [10**7, 2**31 - 1])
+def test_a_distant_bound_on_steps_changes_nothing(max_steps):
+    targets = heavy_tailed(8192)
+    found, _ = lanes.run(
+        counting(targets), 8192, capacity=8192, lanes=64, chunk=8, max_steps=max_steps
+    )
+    assert (np.asarray(found["steps"]) == targets).all()
+
+
+@pytest.mark.parametrize("narrow", [True, False])
+def test_jobs_that_never_end_are_given_up(narrow):
+    never = lanes.Program(**{**vars(counting(np.arange(40))), "done": lambda s: s.steps < 0})
+    _, usage = lanes.run(
+        never, 40, capacity=40, lanes=16, chunk=8, max_steps=MAX_STEPS, narrow=narrow
+    )
+    assert float(usage.busy) == float(usage.total) <= 2 * 16 * (MAX_STEPS + 16)

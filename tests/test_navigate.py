@@ -322,3 +322,9 @@ def test_a_heading_of_many_turns_is_the_heading() -> None:
     assert found.trajectory is not None
     np.testing.assert_allclose(found.trajectory[:, 0, 2], 0.7, atol=1e-6)
     assert np.ptp(found.steps) == 0
+
+
+def test_a_distant_bound_on_steps_leaves_no_episode_behind() -> None:
+    static = uj.DwaStatic(max_steps=10_000_000)
+    found = uj.navigate_dwa(np.full((8192, 1, 2), 50.0), [0, 0, 0], [1, 0], static=static)
+    assert (found.status == uj.Status.REACHED).all()

@@ -241,3 +241,35 @@ def test_shipped_studies_are_valid(path):
 
 def test_shipped_studies_are_there():
     assert {"tan2022", "hongze"} <= {path.stem for path in STUDIES.glob("*.toml")}
+
+
+def test_an_axis_of_one_value_is_not_told():
+    spec = parse_spec(dwa('[axes]\nparams.radius = [0.2, 0.5]\n"static.horizon" = [10]'))
+    assert [c.label for c in spec.conditions] == ["radius 0.2", "radius 0.5"]
+    assert all(c.settings["static"]["horizon"] == 10 for c in spec.conditions)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[params]\nradius = 1" + "0" * 400, "'radius' is too large"),
+        ("[params]\nv_step = 1e-300", "v_step: got 1e-300; wanted more than 0 in single"),
+        ("[params]\nv_step = 1e-7", "n_v: got .*; wanted at most 1,000"),
+        ("[params]\nheading_weight = 1e300", "a number that single precision holds"),
+        ("[static]\nmax_steps = 10000001", "max_steps: got 10000001; wanted at most 10,000,000"),
+        ("[maps]\ngoal = [1e9, 0.0]", "goals: episode 0 lies at .*: subtract a local origin"),
+        ("[maps]\nhi = 60000", "lattice points; wanted at most 100,000"),
+        ('[maps]\nrate_meaning = "area"\n[params]\nradius = 0', "wanted a radius above 0"),
+        ('[maps]\nsource = "random"\ndensity = 0.1\n[params]\nradius = 0', "a radius above 0"),
+        ('[maps]\nsource = "random"\nnumber = 5\nhi = 1e200', "both within 200000 m of 0"),
+        ('[maps]\nsource = "grid"\nmap = "hongze-250"\nrefine = 100000', "cells; wanted at most"),
+    ],
+)
+def test_values_that_no_episode_could_use(text, words):
+    with pytest.raises(BadInputError, match=words):
+        parse_spec(dwa(text))
+
+
+def test_conditions_must_all_be_tables():
+    with pytest.raises(BadTypeError, match=r"'conditions' must be \[\[conditions\]\] tables"):
+        parse_spec(dwa('conditions = [{label = "a"}, 3]'))

@@ -122,7 +122,8 @@ def navigate_dwa(
       BadInputError: a wrong shape, NaN or infinity, impossible parameters, or a start inside
         an obstacle; the message names the argument and the first bad row.
     """
-    params, static = params or DwaParams(), static or DwaStatic()
+    params = DwaParams() if params is None else params
+    static = DwaStatic() if static is None else static
     max_lanes = whole_number("max_lanes", max_lanes, 1)
     scene = set_scene(obstacles, starts, goals, valid, params, static, sensing_range)
     return _sail(scene, params, static, record, max_lanes)
@@ -148,7 +149,8 @@ def dwa_candidates(
     Raises:
       BadTypeError, BadInputError: as `navigate_dwa`.
     """
-    params, static = params or DwaParams(), static or DwaStatic()
+    params = DwaParams() if params is None else params
+    static = DwaStatic() if static is None else static
     check_dwa(params, static)
     points = float_array("obstacles", obstacles, (None, 2))
     now = float_array("state", state, (5,))
@@ -259,7 +261,8 @@ def _record(
         episodes.observe,
     )
     usage = lanes.Usage(
-        busy=jnp.sum(outcome.steps), total=jnp.asarray(rows * static.max_steps, jnp.int32)
+        busy=jnp.sum(outcome.steps, dtype=jnp.float32),
+        total=jnp.float32(rows * static.max_steps),
     )
     return outcome, usage, jnp.moveaxis(seen, 2, 0)
 
@@ -292,5 +295,5 @@ def _collect(
         min_clearance=joined("min_clearance"),
         steps=steps,
         trajectory=trajectory,
-        occupancy=sum(int(r[1].busy) for r in results) / sum(int(r[1].total) for r in results),
+        occupancy=sum(float(r[1].busy) for r in results) / sum(float(r[1].total) for r in results),
     )

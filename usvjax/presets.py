@@ -45,10 +45,10 @@ def window_size(params: DwaParams) -> tuple[int, int]:
     p = {f.name: np.asarray(getattr(params, f.name), np.float64) for f in fields(params)}
     v_span = np.minimum((p["v_acc"] + p["v_dec"]) * p["dt"], p["v_max"] - p["v_min"])
     w_span = np.minimum((p["w_acc"] + p["w_dec"]) * p["dt"], p["w_max"] - p["w_min"])
-    return (
-        floor(np.max(v_span / p["v_step"]) + SLACK) + 1,
-        floor(np.max(w_span / p["w_step"]) + SLACK) + 1,
-    )
+    with np.errstate(all="ignore"):  # impossible parameters are refused by `check_dwa`
+        most = [np.max(v_span / p["v_step"]), np.max(w_span / p["w_step"])]
+    n_v, n_w = (floor(n + SLACK) + 1 if n < 1e9 else 10**9 for n in most)
+    return n_v, n_w
 
 
 def _preset(params: DwaParams, source: str, **choices: Any) -> DwaPreset:
@@ -161,6 +161,8 @@ _CHOICES: dict[str, tuple[str, ...]] = {
 _POSITIVE = ("v_step", "w_step", "dt", "goal_tolerance", "stuck_time", "clear_distance")
 _NOT_NEGATIVE = ("v_acc", "v_dec", "w_acc", "w_dec", "radius", "stuck_distance", "clearance_cap")
 _MAY_BE_INFINITE = ("clearance_cap",)
+_MOST = {"n_v": 1000, "n_w": 1000, "horizon": 10_000, "max_steps": 10_000_000}
+_LARGEST = float(np.finfo(np.float32).max)
 
 
 def check_dwa(params: DwaParams, static: DwaStatic, episodes: int | None = None) -> None:
@@ -181,7 +183,8 @@ def check_dwa(params: DwaParams, static: DwaStatic, episodes: int | None = None)
         raise BadTypeError(f"static: got {type(static).__name__}; wanted DwaStatic")
     values = {f.name: _leaf(f.name, getattr(params, f.name), episodes) for f in fields(params)}
     for name in _POSITIVE:
-        _demand(name, values[name], values[name] > 0, "more than 0")
+        single = values[name].astype(np.float32)
+        _demand(name, values[name], single > 0, "more than 0 in single precision")
     for name in _NOT_NEGATIVE:
         _demand(name, values[name], values[name] >= 0, "0 or more")
     angle = values["search_angle"]
@@ -205,6 +208,8 @@ def _leaf(name: str, value: Any, episodes: int | None) -> np.ndarray:
     array = array.astype(np.float64)
     usable = ~np.isnan(array) if name in _MAY_BE_INFINITE else np.isfinite(array)
     _demand(name, array, usable, "a finite number")
+    held = ~np.isfinite(array) | (np.abs(array) <= _LARGEST)
+    _demand(name, array, held, "a number that single precision holds")
     return array
 
 
@@ -217,8 +222,11 @@ def _demand(name: str, value: np.ndarray, holds: np.ndarray, wanted: str) -> Non
 def _check_static(params: DwaParams, static: DwaStatic) -> None:
     for name, allowed in _CHOICES.items():
         one_of(f"static.{name}", getattr(static, name), allowed)
-    for name in ("n_v", "n_w", "horizon", "max_steps"):
-        whole_number(f"static.{name}", getattr(static, name), 1)
+    for name, most in _MOST.items():
+        if whole_number(f"static.{name}", getattr(static, name), 1) > most:
+            raise BadInputError(
+                f"static.{name}: got {getattr(static, name)}; wanted at most {most:,}"
+            )
     for name in ("braking", "heading_first"):
         if not isinstance(getattr(static, name), bool):
             raise BadTypeError(f"static.{name}: got {getattr(static, name)!r}; wanted a bool")

@@ -44,8 +44,8 @@ class Program:
 class Usage:
     """How the lanes spent their time; busy / total is the occupancy."""
 
-    busy: Array  # int32, lane-steps that advanced an unfinished job
-    total: Array  # int32, lane-steps executed
+    busy: Array  # float, lane-steps that advanced an unfinished job
+    total: Array  # float, lane-steps executed
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -56,7 +56,7 @@ class _Queue:
     next_job: Array  # int32, first job not yet given out
     results: Tree  # [capacity, ...]
     usage: Usage
-    chunks: Array  # int32, chunks executed
+    waited: Array  # int32, chunks since a job last ended
 
 
 def run(
@@ -96,8 +96,8 @@ def run(
         job=job,
         next_job=jnp.int32(lanes),
         results=jax.tree.map(lambda a: jnp.zeros((capacity, *a.shape[1:]), a.dtype), row),
-        usage=Usage(busy=jnp.int32(0), total=jnp.int32(0)),
-        chunks=jnp.int32(0),
+        usage=Usage(busy=jnp.float32(0), total=jnp.float32(0)),
+        waited=jnp.int32(0),
     )
     drain = narrow and refill
     queue = _work(program, queue, n_jobs, chunk, max_steps, refill, to_the_end=not drain)
@@ -117,13 +117,13 @@ def _work(
 ) -> _Queue:
     """Work in all lanes until the queue is empty and one of them idle, or to the very end."""
     lanes = queue.job.shape[0]
-    # Enough chunks for all jobs one after the other: reached only if `done` never comes true.
-    bound = n_jobs * (-(-max_steps // chunk) + 1)
+    # Reached only if `done` never comes true: some job ends within the chunks of the longest.
+    bound = -(-max_steps // chunk) + 1
 
     def unfinished(queue: _Queue) -> Array:
         busy = queue.job < n_jobs
         wanted = jnp.any(busy) if to_the_end else jnp.all(busy)
-        return wanted & (queue.chunks < bound)
+        return wanted & (queue.waited < bound)
 
     def turn(queue: _Queue) -> _Queue:
         state, busy = _advance(program, queue.state, queue.job < n_jobs, chunk)
@@ -140,7 +140,7 @@ def _work(
             next_job=queue.next_job + jnp.sum(take, dtype=jnp.int32),
             results=results,
             usage=Usage(busy=usage.busy + busy, total=usage.total + chunk * lanes),
-            chunks=queue.chunks + 1,
+            waited=jnp.where(jnp.any(ended), 0, queue.waited + 1),
         )
 
     return jax.lax.while_loop(unfinished, turn, queue)
@@ -160,10 +160,9 @@ def _drain(program: Program, queue: _Queue, n_jobs: Array, chunk: int, max_steps
         job = jnp.concatenate([queue.job, jnp.broadcast_to(n_jobs, idle)])
         queue = replace(queue, state=state, job=job)
     bound = -(-max_steps // chunk) + 1
-    first_chunk = queue.chunks
 
     def unfinished(queue: _Queue) -> Array:
-        return jnp.any(queue.job < n_jobs) & (queue.chunks < first_chunk + bound)
+        return jnp.any(queue.job < n_jobs) & (queue.waited < bound)
 
     def turn(queue: _Queue) -> _Queue:
         order = jnp.argsort(queue.job >= n_jobs, stable=True)
@@ -186,7 +185,7 @@ def _drain(program: Program, queue: _Queue, n_jobs: Array, chunk: int, max_steps
             next_job=queue.next_job,
             results=_written(queue.results, program.result(state), job, ended),
             usage=Usage(busy=usage.busy + busy, total=usage.total + blocks * chunk * width),
-            chunks=queue.chunks + 1,
+            waited=jnp.where(jnp.any(ended), 0, queue.waited + 1),
         )
 
     return jax.lax.while_loop(unfinished, turn, queue)

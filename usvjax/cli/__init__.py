@@ -59,6 +59,12 @@ COMMANDS = {
         "usvjax.cli.animate",
         "animate",
     ),
+    "route": Command(
+        "find a route between two places on a map",
+        "usvjax route hongze-250 --from 289,320 --to 45,88 --turning-radius 500 --plot route.png",
+        "usvjax.cli.route",
+        "route",
+    ),
     "maps": Command(
         "list, show, convert and draw maps",
         "usvjax maps show hongze-250",

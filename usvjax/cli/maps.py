@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map, load_map, packaged_names, save_map
 
 MapName = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="MAP")]
@@ -27,6 +28,8 @@ _IMAGES = (".png", ".pgm")
 
 def list_maps(as_json: AsJson = False) -> None:
     """List the packaged maps.
+
+    Example: usvjax maps list
 
     Args:
         as_json: Print JSON for scripts.
@@ -49,6 +52,8 @@ def list_maps(as_json: AsJson = False) -> None:
 
 def show_map(map_name: MapName, cell_size: CellSize = None, as_json: AsJson = False) -> None:
     """Describe a map and sketch it in the terminal, north up.
+
+    Example: usvjax maps show hongze-1000
 
     Args:
         map_name: A packaged map such as hongze-250, or a map file.
@@ -79,6 +84,8 @@ def convert_map(
 ) -> None:
     """Convert a map to another format; the suffix of OUT (.map, .yaml, .png, .pgm) chooses it.
 
+    Example: usvjax maps convert hongze-250 lake.yaml
+
     Args:
         source: A packaged map such as hongze-250, or a map file.
         out: The file to write.
@@ -102,6 +109,8 @@ def convert_map(
 def draw_map(map_name: MapName, out: OutFile, cell_size: CellSize = None, dpi: int = 200) -> None:
     """Draw a map as a figure (.png, .pdf or .svg) with axes, scale and source.
 
+    Example: usvjax maps draw hongze-250 lake.png
+
     Args:
         map_name: A packaged map such as hongze-250, or a map file.
         out: The figure to write.
@@ -112,10 +121,14 @@ def draw_map(map_name: MapName, out: OutFile, cell_size: CellSize = None, dpi: i
     from usvjax.plots.map_sheet import plot_map
 
     style.check_suffix(out, style.FORMATS)
+    if not 10 <= dpi <= MOST_DPI:
+        raise BadInputError(f"--dpi: got {dpi}; wanted 10 to {MOST_DPI}")
     figure = plot_map(find_map(map_name, cell_size=cell_size))
     written = style.save(figure, out, dpi=dpi)
     Console(soft_wrap=True).print(f"wrote {written}", highlight=False)
 
+
+MOST_DPI = 2400
 
 MAPS_COMMANDS: dict[str, Callable[..., None]] = {
     "list": list_maps,

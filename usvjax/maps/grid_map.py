@@ -170,7 +170,8 @@ class GridMap:
         """Divide each cell into factor x factor, the shore by bilinear interpolation.
 
         The occupancy (1 in blocked cells, 0 in free ones) is interpolated between cell centres
-        and thresholded at 0.5; exactly 0.5 is blocked. Water that is 4-connected stays so.
+        and thresholded at 0.5; exactly 0.5 is blocked. Water that is 4-connected stays so. A
+        factor of 2 only divides the cells; from 3 on, corners of the shore are rounded.
 
         Args:
             factor: How many new cells along the edge of an old one, >= 1.

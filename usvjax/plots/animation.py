@@ -1,4 +1,4 @@
-"""One episode as a film of its decisions, GIF or MP4."""
+"""Films, GIF or MP4; one episode as a film of its decisions."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -60,9 +60,28 @@ def animate_episode(
             if progress is not None:
                 progress(done, len(steps))
 
-    view.fig.set_dpi(dpi)
-    write = _write_gif if target.suffix.lower() == ".gif" else _write_mp4
-    return style.write_atomically(target, lambda file: write(view.fig, frames(), file, fps))
+    return write_film(view.fig, frames(), target, fps=fps, dpi=dpi)
+
+
+def write_film(fig: Figure, frames: Iterator[None], path: Path, *, fps: int, dpi: int) -> Path:
+    """Write a film of a figure, whole or not at all.
+
+    Args:
+        fig: The figure.
+        frames: Each step changes the figure to the next frame.
+        path: File to write: .gif, or .mp4 where ffmpeg is installed.
+        fps: Frames per second.
+        dpi: Dots per inch.
+
+    Returns:
+        The path written.
+
+    Raises:
+        BadInputError: A place that cannot be written.
+    """
+    fig.set_dpi(dpi)
+    write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
+    return style.write_atomically(path, lambda file: write(fig, frames, file, fps))
 
 
 def check_animation(path: Path, *, max_frames: int, fps: int) -> None:

@@ -23,6 +23,7 @@ def plot_chart(
     status: ArrayLike,
     *,
     max_paths: int = 200,
+    sampled_from: int | None = None,
     view: base_map.View | None = None,
     attribution: str | None = None,
     title: str | None = None,
@@ -36,6 +37,7 @@ def plot_chart(
         status: int[B], codes of `usvkernels.status.Status`.
         max_paths: Draw at most so many, spread evenly over the B given; the counts in the
             legend are always of all B.
+        sampled_from: How many episodes the B given are a sample of, for the title.
         view: (west, east, south, north), m: the part to show; None shows the whole map.
         attribution: Source of the chart, written small into it; None takes the map's own.
         title: Title of the axes.
@@ -54,7 +56,7 @@ def plot_chart(
     fig, ax = base_map.new_sheet(grid_map, view)
     drawn = np.unique(np.linspace(0, len(codes) - 1, min(max_paths, len(codes))).astype(int))
     handles = _draw_tracks(ax, tracks, codes, drawn)
-    note = f"{len(drawn):,} of {len(codes):,} episodes drawn"
+    note = f"{len(drawn):,} of {sampled_from or len(codes):,} episodes drawn"
     ax.set_title(style.folded(f"{title}: {note}" if title else note, 95))
     style.outside_legend(fig, handles, columns=len(handles))
     source = grid_map.attribution if attribution is None else attribution

@@ -33,13 +33,14 @@ _NEEDED = {
 }
 
 
-def both_reached(table: pl.DataFrame) -> pl.DataFrame:
+def both_reached(table: pl.DataFrame, success: Status = Status.REACHED) -> pl.DataFrame:
     """Keep the episodes in which every method of that condition reached the goal.
 
     Comparing times over episodes that only one method survived would compare different maps.
 
     Args:
         table: One row per (condition, method, job), columns job, condition, method, status.
+        success: The status that counts as reached.
 
     Returns:
         The rows of those episodes, in the order they had.
@@ -48,7 +49,7 @@ def both_reached(table: pl.DataFrame) -> pl.DataFrame:
         BadInputError: A column is missing.
     """
     style.require_columns(table.columns, _NEEDED)
-    reached = pl.col("status") == int(Status.REACHED)
+    reached = pl.col("status") == int(success)
     methods = pl.col("method").n_unique().over("condition")
     return table.filter(reached.sum().over("condition", "job") == methods)
 
@@ -185,7 +186,7 @@ def _box_rows(
                 (place + shift, _values(table, condition, method, metric))
                 for place, condition in enumerate(titles)
             ]
-            _boxes(ax, [b for b in boxes if len(b[1])], 0.85 * width, looks[method][0])
+            draw_boxes(ax, [b for b in boxes if len(b[1])], 0.85 * width, looks[method][0])
         ax.set_ylabel(AXIS_LABELS.get(metric, metric))
         ax.grid(visible=False, axis="x")
     names, how = style.tick_names(list(titles.values()), room=120)
@@ -196,9 +197,17 @@ def _box_rows(
     return fig, handles
 
 
-def _boxes(
+def draw_boxes(
     ax: Axes, samples: Sequence[tuple[float, NDArray[np.float64]]], width: float, colour: str
 ) -> None:
+    """Draw boxes: quartiles and median, whiskers from the 5th to the 95th percentile.
+
+    Args:
+        ax: Axes to draw on.
+        samples: Place on x and values of each, at least one; none draws nothing.
+        width: Of a box.
+        colour: Its filling.
+    """
     if not samples:
         return
     keys = ("whislo", "q1", "med", "q3", "whishi")

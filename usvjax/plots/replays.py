@@ -157,8 +157,11 @@ def replay(
             has changed, or the episodes end otherwise than in the table, because the run was
             made with another version or kind of device.
     """
-    rows = _rows(run, table, condition, method, jobs)
-    payload = _prepare(run, condition, folder)
+    rows = rows_of(run, table, condition, method, jobs)
+    kind = run.manifest["study"]["kind"]
+    if kind != "dwa":
+        raise BadInputError(f"{run.path} is of kind {kind!r}; only 'dwa' can be replayed")
+    payload: DwaCondition = payload_of(run, condition, folder)
     numbers = np.asarray(jobs, dtype=np.int64)
     seed = int(run.manifest["study"]["seed"])
     scenarios = payload.source.draw(seed, numbers, float(payload.params.radius))
@@ -177,10 +180,24 @@ def replay(
     return Replay(label, numbers, payload.params, static, scenarios, result)
 
 
-def _rows(
+def rows_of(
     run: Run, table: pl.DataFrame, condition: int, method: str, jobs: Sequence[int]
 ) -> pl.DataFrame:
-    """Return the rows of some episodes, in their order; raise where there is none."""
+    """Return the rows of some episodes.
+
+    Args:
+        run: The run, of any kind.
+        table: Its rows, as `run.table()`.
+        condition: Index of the condition.
+        method: One of the run's methods.
+        jobs: Numbers of the episodes.
+
+    Returns:
+        Their rows, in the order of `jobs`.
+
+    Raises:
+        BadInputError: There is no such condition, method or episode.
+    """
     if not 0 <= condition < len(run.settings):
         last = len(run.settings) - 1
         raise BadInputError(f"condition is {condition}; 0 to {last} was wanted in {run.path}")
@@ -199,11 +216,21 @@ def _rows(
     return found
 
 
-def _prepare(run: Run, condition: int, folder: Path | None) -> DwaCondition:
-    """Build what runs the episodes from the settings in the manifest."""
+def payload_of(run: Run, condition: int, folder: Path | None) -> Any:
+    """Build what runs the episodes of a condition again, from the settings in the manifest.
+
+    Args:
+        run: The run, of any kind.
+        condition: Index of the condition.
+        folder: What files named by the study are relative to; the working directory when None.
+
+    Returns:
+        The payload of the condition; see `usvjax.study.workload.Prepared`.
+
+    Raises:
+        BadInputError: A file is missing or has changed.
+    """
     study = run.manifest["study"]
-    if study["kind"] != "dwa":
-        raise BadInputError(f"{run.path} is of kind {study['kind']!r}; only 'dwa' can be replayed")
     workload = get_workload(study["kind"], str(run.path))
     settings = _given(run.settings[condition])
     prepared = workload.prepare(settings, folder or Path(), str(run.path))
@@ -211,8 +238,7 @@ def _prepare(run: Run, condition: int, folder: Path | None) -> DwaCondition:
     if prepared.inputs != inputs:
         names = ", ".join(inputs)
         raise BadInputError(f"the map {names} is not the one that {run.path} was made with")
-    payload: DwaCondition = prepared.payload
-    return payload
+    return prepared.payload
 
 
 def _given(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -237,6 +263,11 @@ def _check_same(
     """Raise where an episode went otherwise than in the table."""
     same = rows["status"].to_numpy() == result.status
     same &= rows["steps"].to_numpy() == result.steps
+    check_same(run, same, jobs)
+
+
+def check_same(run: Run, same: NDArray[np.bool_], jobs: NDArray[np.int64]) -> None:
+    """Raise BadInputError unless all episodes, bool[J], went as the run says they did."""
     if not same.all():
         made = ", ".join(f"{k} {run.manifest[k]}" for k in ("usvjax", "jax", "device"))
         raise BadInputError(

@@ -16,6 +16,7 @@ from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.paths import plot_paths
 from usvjax.plots.rates import plot_success
 from usvjax.plots.replays import Replay, replay
+from usvjax.plots.route_study import route_figures
 from usvjax.study import Run, load_run
 from usvjax.study.looks import look_level, look_schedule
 
@@ -44,7 +45,10 @@ def figures_for_run(
     - distributions: time and length over the episodes in which all methods reached;
     - of each of the first conditions, episodes simulated again: on obstacle maps the paths of
       all methods on one map ("paths"), on a chart many trajectories by outcome, per method
-      ("chart"), and the part of it in which most failed ("detail").
+      ("chart"), and the part of it in which most failed ("detail");
+    - of a study of routes instead: how the methods compare ("methods"), and of each of the first
+      conditions one query under all methods ("routes"), its curvature ("curvature") and, where
+      all share a map, many routes on it ("chart").
 
     The example on an obstacle map is not picked by eye: of the episodes in which all methods
     reached and took different times, it is the one with the median difference.
@@ -76,7 +80,9 @@ def figures_for_run(
     run = load_run(run_dir)
     table = run.table()
     written = []
-    for name, fig in _figures(run, table, max_examples, max_paths, folder):
+    is_route = run.manifest["study"]["kind"] == "route"
+    figures = route_figures if is_route else _figures
+    for name, fig in figures(run, table, max_examples, max_paths, folder):
         for suffix in formats:
             written.append(style.save(fig, run.path / FOLDER / f"{name}{suffix}"))
             if on_written is not None:
@@ -140,15 +146,15 @@ def _charts(
         jobs = mine["job"].to_numpy()[rows]
         found = replay(run, table, condition, method, jobs.tolist(), folder=folder)
         name = f"chart-c{condition}-{method}"
-        yield name, _chart(run, found, None)
+        yield name, _chart(run, found, None, len(mine))
         assert found.grid_map is not None
         width = _detail_width(found)
         view = detail(found.grid_map, found.trajectories, found.result.status, width)
         if view is not None:
-            yield f"{name}-detail", _chart(run, found, view)
+            yield f"{name}-detail", _chart(run, found, view, len(mine))
 
 
-def _chart(run: Run, found: Replay, view: View | None) -> Figure:
+def _chart(run: Run, found: Replay, view: View | None, episodes: int) -> Figure:
     assert found.grid_map is not None
     title = found.label if found.label.startswith(run.name) else f"{run.name}, {found.label}"
     return plot_chart(
@@ -156,6 +162,7 @@ def _chart(run: Run, found: Replay, view: View | None) -> Figure:
         found.trajectories,
         found.result.status,
         max_paths=len(found.jobs),
+        sampled_from=episodes,
         view=view,
         title=title if view is None else f"{title}, where most failed",
     )

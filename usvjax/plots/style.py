@@ -58,6 +58,10 @@ STATUS_LABEL: dict[int, str] = {
     Status.STUCK: "stuck",
     Status.TIMED_OUT: "timed out",
     Status.RUNNING: "running",
+    Status.FOUND: "found",
+    Status.UNREACHABLE: "unreachable",
+    Status.OUT_OF_BUDGET: "out of budget",
+    Status.BLOCKED: "blocked",
 }
 STATUS_COLOUR: dict[int, str] = {
     Status.REACHED: GREEN,
@@ -65,6 +69,10 @@ STATUS_COLOUR: dict[int, str] = {
     Status.STUCK: PURPLE,
     Status.TIMED_OUT: BLACK,
     Status.RUNNING: GREY,
+    Status.FOUND: GREEN,
+    Status.UNREACHABLE: PURPLE,
+    Status.OUT_OF_BUDGET: BLACK,
+    Status.BLOCKED: VERMILLION,
 }
 STATUS_MARKER: dict[int, str] = {
     Status.REACHED: "o",
@@ -72,6 +80,10 @@ STATUS_MARKER: dict[int, str] = {
     Status.STUCK: "s",
     Status.TIMED_OUT: "^",
     Status.RUNNING: ".",
+    Status.FOUND: "o",
+    Status.UNREACHABLE: "s",
+    Status.OUT_OF_BUDGET: "^",
+    Status.BLOCKED: "X",
 }
 
 
@@ -91,6 +103,15 @@ class Look(NamedTuple):
 _METHODS: dict[str, Look] = {
     "traditional": Look(ORANGE, "--", "s"),
     "improved": Look(BLUE, "-", "o"),
+    "astar": Look(BLACK, "-", "o"),
+    "manhattan": Look(ORANGE, "--", "s"),
+    "weighted": Look(PURPLE, ":", "d"),
+    "turning": Look(GREEN, "-.", "h"),
+    "turning_parent": Look(SKY, "--", "<"),
+    "shortened": Look(BLUE, "-", "v"),
+    "key_points": Look(BLUE, ":", "p"),
+    "smoothed": Look(VERMILLION, "-", "*"),
+    "bspline": Look(PURPLE, "--", "X"),
 }
 _OTHERS: tuple[Look, ...] = (
     Look(GREEN, "-.", "^"),
@@ -111,7 +132,7 @@ def method_looks(methods: Iterable[str]) -> dict[str, Look]:
         methods: Names of methods, in any order.
 
     Returns:
-        A dict from name to its look; "traditional" and "improved" keep theirs whatever stands
+        A dict from name to its look; the methods of this package keep theirs whatever stands
         beside them.
     """
     names = list(methods)
@@ -127,8 +148,9 @@ def method_handle(look: Look, label: str) -> Line2D:
 
 
 def ordered_methods(methods: Iterable[str]) -> list[str]:
-    """Return each name once: the baseline "traditional" first, then by alphabet."""
-    return sorted(set(methods), key=lambda name: (name != "traditional", name))
+    """Return each name once: those of this package in their order, then by alphabet."""
+    known = list(_METHODS)
+    return sorted(set(methods), key=lambda n: (known.index(n) if n in known else len(known), n))
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:

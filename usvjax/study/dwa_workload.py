@@ -5,9 +5,7 @@ holds `usvkernels.dwa.DwaParams` and may start from a `preset`, `[static]` holds
 `usvkernels.dwa.DwaStatic`. The study's `methods` take the place of `static.method`.
 """
 
-import hashlib
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from enum import IntEnum
 from pathlib import Path
@@ -16,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import GridMap, find_map
 from usvjax.navigate import navigate_dwa
 from usvjax.presets import check_dwa, fit_window, preset
+from usvjax.scene import set_scene
 from usvjax.study.fields import check_keys, read_table, read_values
+from usvjax.study.map_inputs import read_map, saying_where
 from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.waters import GridMaps, Water
@@ -74,6 +73,8 @@ class DwaWorkload:
         place = f"{where}: [maps]"
         name, options, source, inputs = _read_maps(settings["maps"], folder, place)
         source.check(float(params.radius), place)
+        with saying_where(place):
+            _try_scenarios(source, params, static)
         in_force = {
             "maps": {"source": name, **asdict(options)},
             "params": asdict(params),
@@ -99,6 +100,12 @@ class DwaWorkload:
         return {"status": result.status, **columns}
 
 
+def _try_scenarios(source: Source, params: DwaParams, static: DwaStatic) -> None:
+    """Refuse what `navigate_dwa` would, before a run directory exists."""
+    some = source.draw(0, np.arange(2), float(params.radius))
+    set_scene(some.obstacles, some.starts, some.goals, some.valid, params, static, None)
+
+
 def _read_method(
     params_table: Mapping[str, Any], static_table: Mapping[str, Any], where: str
 ) -> tuple[DwaParams, DwaStatic]:
@@ -112,7 +119,7 @@ def _read_method(
     numbers = {k: v for k, v in params_table.items() if k != "preset"}
     if "method" in static_table:
         raise BadInputError(f"{in_static}: list methods in 'methods', not in 'method'")
-    with _saying_where(where):
+    with saying_where(where):
         base = preset(name)
         params = replace(base.params, **read_values(DwaParams, numbers, in_params))
         static = replace(base.static, **read_values(DwaStatic, static_table, in_static))
@@ -136,34 +143,5 @@ def _read_maps(
     options = read_table(_SOURCES[name], rest, where)
     if not isinstance(options, GridMaps):
         return name, options, options, {}
-    if options.refine < 1:
-        raise BadInputError(f"{where}: 'refine' must be at least 1, got {options.refine}")
-    beside = folder / options.map
-    with _saying_where(where):
-        grid = find_map(
-            str(beside) if beside.is_file() else options.map, cell_size=options.cell_size
-        )
-        grid = grid.refined(options.refine)
-    return name, options, Water(grid, options), {options.map: _digest(grid)}
-
-
-def _digest(grid: GridMap) -> str:
-    """SHA-256 of what a map's cells mean, whatever file they came from."""
-    header = f"{grid.shape} {grid.cell_size!r} {grid.origin!r} ".encode()
-    return hashlib.sha256(header + grid.blocked.tobytes()).hexdigest()
-
-
-@contextmanager
-def _saying_where(where: str) -> Iterator[None]:
-    """Put the study file's name in front of messages that do not know it."""
-    try:
-        yield
-    except BadInputError as error:
-        raise BadInputError(_prefixed(where, error)) from error
-    except BadTypeError as error:
-        raise BadTypeError(_prefixed(where, error)) from error
-
-
-def _prefixed(where: str, error: Exception) -> str:
-    text = str(error)
-    return text if text.startswith(where) else f"{where}: {text}"
+    grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)
+    return name, options, Water(grid, options), {options.map: digest}

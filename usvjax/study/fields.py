@@ -88,6 +88,8 @@ def _convert(value: Any, hint: Any, what: str) -> Any:
     """Return `value` as `hint` wants it, or raise BadTypeError."""
     for option in _options(hint):
         if option is float and _is_number(value):
+            if isinstance(value, int) and abs(value) > 10**300:
+                raise BadInputError(f"{what} is too large: a number of {len(str(value))} digits")
             return float(value)
         if option in (int, str, bool) and type(value) is option:
             return value

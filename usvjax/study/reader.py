@@ -59,12 +59,12 @@ class Run:
             "status" (int32) and the metrics of the study's kind.
 
         Raises:
-            BadInputError: nothing has been written yet.
+            BadInputError: nothing has been written yet, or a file is damaged.
         """
         files = sorted((self.path / "shards").glob("c*.parquet"))
         if not files:
             raise BadInputError(f"{self.path} holds no episodes yet")
-        return pl.concat([pl.read_parquet(file) for file in files])
+        return pl.concat(map(_shard, files))
 
     def summary(self) -> dict[str, Any]:
         """Read summary.json; see `usvjax.study.summary.summarise`.
@@ -79,6 +79,13 @@ class Run:
         except ValueError as error:
             raise BadInputError(f"{self.path / 'summary.json'} is damaged: {error}") from error
         return found
+
+
+def _shard(file: Path) -> pl.DataFrame:
+    try:
+        return pl.read_parquet(file)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise BadInputError(f"{file} is damaged; run the study again, which replaces it") from error
 
 
 def load_run(path: str | Path) -> Run:

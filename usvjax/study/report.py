@@ -277,7 +277,8 @@ def _notes(summary: dict[str, Any]) -> list[str]:
         "An episode is one map with one start and goal; the methods meet the same ones.",
         f"Intervals: shares Wilson; averages percentile bootstrap ({study['resamples']} "
         "resamples); mean differences Student's t; difference of success rates Agresti-Min. "
-        '"-": the episodes do not determine this figure.',
+        '"-": the episodes do not determine this figure, such as a mean clearance where one '
+        "never sensed an obstacle.",
         "p-values: paired t-test, Wilcoxon's signed-rank test and McNemar's exact test, each "
         "Holm-corrected over all tests of its kind in this study ("
         + ", ".join(

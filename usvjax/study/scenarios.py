@@ -19,11 +19,13 @@ from scipy.stats import binom
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
+from usvjax.scene import MOST_REMOTE
 from usvjax.suggest import did_you_mean
 
 RATE_MEANINGS = ("bernoulli", "count", "area")
 
 MAX_DISCS = 10_000
+MAX_LATTICE = 100_000  # points
 
 # A lattice with Bernoulli obstacles gets as many rows as all but one map in ten million need;
 # a shard with a fuller map is given all lattice points instead.
@@ -98,6 +100,13 @@ class LatticeMaps:
         check_square(self.lo, self.hi, where)
         check_share("rate", self.rate, where)
         check_ends(self.start, self.goal, self.start_heading, where)
+        if (self.hi - self.lo + 1) ** 2 > MAX_LATTICE:
+            raise BadInputError(
+                f"{where}: 'lo' and 'hi' make {(self.hi - self.lo + 1) ** 2:,} lattice points; "
+                f"wanted at most {MAX_LATTICE:,}"
+            )
+        if self.rate_meaning == "area":
+            check_disc(radius, "rate_meaning", where)
         if self.rate_meaning not in RATE_MEANINGS:
             hint = did_you_mean(self.rate_meaning, RATE_MEANINGS)
             raise BadInputError(f"{where}: unknown rate_meaning {self.rate_meaning!r}; {hint}")
@@ -166,6 +175,7 @@ class RandomMaps:
             raise BadInputError(f"{where}: give either 'number' or 'density'")
         if self.density is not None:
             check_share("density", self.density, where)
+            check_disc(radius, "density", where)
         if not 0 <= self._count(radius) <= MAX_DISCS:
             raise BadInputError(
                 f"{where}: between 0 and {MAX_DISCS} discs are possible, "
@@ -256,9 +266,20 @@ def check_share(name: str, value: float, where: str) -> None:
 
 
 def check_square(lo: float, hi: float, where: str) -> None:
-    """Raise BadInputError unless lo < hi, both finite."""
-    if not (math.isfinite(lo) and math.isfinite(hi) and lo < hi):
-        raise BadInputError(f"{where}: 'lo' must be below 'hi', got {lo:g} and {hi:g}")
+    """Raise BadInputError unless lo < hi, both where single precision can tell metres apart."""
+    if not -MOST_REMOTE <= lo < hi <= MOST_REMOTE:
+        raise BadInputError(
+            f"{where}: 'lo' must be below 'hi', both within {MOST_REMOTE:g} m of 0, got {lo:g} "
+            f"and {hi:g}"
+        )
+
+
+def check_disc(radius: float, name: str, where: str) -> None:
+    """Raise BadInputError where discs of no area are to cover a share of the square."""
+    if radius <= 0:
+        raise BadInputError(
+            f"{where}: {name!r} counts areas; wanted a radius above 0, got {radius:g}"
+        )
 
 
 def check_ends(

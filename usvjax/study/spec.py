@@ -35,7 +35,7 @@ class StudyFile:
 
     Attributes:
         name: also the name of the run directory.
-        kind: what an episode is; "dwa".
+        kind: what an episode is; "dwa" or "route".
         seed: one seed for the whole study.
         episodes: per condition and method; with `until`, at most so many.
         shard: episodes per shard, the unit of work and of resuming.
@@ -183,10 +183,15 @@ def parse_spec(
     variants = list(_variants(tables, workload.sections, where))
     names = _short_names({key for _, varied, _ in variants for key in varied})
     conditions = []
-    for index, (title, varied, crossed) in enumerate(variants):
+    for index, (title, varied, told) in enumerate(variants):
         prepared = workload.prepare(_overridden(sections, varied), folder or Path(), where)
-        words = [title, _label(crossed, names)] if title else [_label(varied, names)]
-        label = ", ".join(word for word in words if word) or top.name
+        most = prepared.most_jobs
+        if most is not None and top.episodes > most:
+            raise BadInputError(
+                f"{where}: 'episodes' must be at most {most}, the queries of the file that "
+                f"[maps] names, got {top.episodes}"
+            )
+        label = ", ".join(filter(None, (title, _label(told, names)))) or top.name
         conditions.append(
             Condition(index, label, varied, prepared.settings, prepared.inputs, prepared.payload)
         )
@@ -258,7 +263,7 @@ def _table(tables: Mapping[str, Any], name: str, where: str) -> Mapping[str, Any
 def _variants(
     tables: Mapping[str, Any], sections: tuple[str, ...], where: str
 ) -> Iterator[tuple[str, dict[str, Any], dict[str, Any]]]:
-    """Yield (label or "", all dotted overrides, those from the axes) of every condition."""
+    """Yield (label or "", all dotted overrides, those that its label lacks) of every condition."""
     axes = _flatten(_table(tables, "axes", where))
     _check_dotted(axes, sections, f"{where}: [axes]")
     for key, values in axes.items():
@@ -270,7 +275,9 @@ def _variants(
             raise BadInputError(f"{where}: {both[0]!r} is in both [[conditions]] and [axes]")
         for values in itertools.product(*axes.values()):
             crossed = dict(zip(axes, values, strict=True))
-            yield label, {**listed, **crossed}, crossed
+            told = {} if label else dict(listed)
+            told |= {key: value for key, value in crossed.items() if len(axes[key]) > 1}
+            yield label, {**listed, **crossed}, told
 
 
 def _listed(
@@ -278,7 +285,11 @@ def _listed(
 ) -> list[tuple[str, dict[str, Any]]]:
     """Read `[[conditions]]`; one empty condition when there is none."""
     listed = tables.get("conditions", [{}])
-    if not isinstance(listed, list) or not listed or not isinstance(listed[0], Mapping):
+    if (
+        not isinstance(listed, list)
+        or not listed
+        or not all(isinstance(table, Mapping) for table in listed)
+    ):
         raise BadTypeError(f"{where}: 'conditions' must be [[conditions]] tables, got {listed!r}")
     result = []
     for number, table in enumerate(listed, start=1):

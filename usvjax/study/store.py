@@ -83,14 +83,14 @@ class RunDirectory:
         """
         path = Path(path)
         _check_is_ours(path)
+        manifest = {"hash": study_hash, **environment(), "study": dict(study)}
+        if (path / MANIFEST).exists():
+            _check_same(path, read_manifest(path), manifest)
         with _clear_errors(path):
             (path / "shards").mkdir(parents=True, exist_ok=True)
             lock = _locked(path)
         try:
-            manifest = {"hash": study_hash, **environment(), "study": dict(study)}
-            if (path / MANIFEST).exists():
-                _check_same(path, read_manifest(path), manifest)
-            else:
+            if not (path / MANIFEST).exists():
                 _write(path / MANIFEST, _json_bytes(manifest))
             return cls(path, lock)
         except BaseException:

@@ -49,11 +49,13 @@ class Prepared:
         settings: every setting in force by section, defaults filled in; JSON-able.
         inputs: SHA-256 of each file that the condition reads, by the name in the study.
         payload: what the workload's own `run` needs; opaque to the study machinery.
+        most_jobs: how many episodes there can be, where a file limits them.
     """
 
     settings: dict[str, dict[str, Any]]
     inputs: dict[str, str]
     payload: Any
+    most_jobs: int | None = None
 
 
 class Workload(Protocol):
@@ -110,7 +112,10 @@ class Workload(Protocol):
 
 
 # Import paths, not classes: a kind is imported when a study asks for it.
-_KINDS = {"dwa": "usvjax.study.dwa_workload:DwaWorkload"}
+_KINDS = {
+    "dwa": "usvjax.study.dwa_workload:DwaWorkload",
+    "route": "usvjax.study.route_workload:RouteWorkload",
+}
 
 
 def register_kind(kind: str, path: str) -> None:

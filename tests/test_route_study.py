@@ -1,0 +1,454 @@
+"""Studies of kind "route": what they draw, what they measure, what they refuse."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import ndimage
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
+from scipy.stats import chisquare
+
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.maps import GridMap, random_maps, save_map
+from usvjax.study import load_run, load_spec, parse_spec, run_study
+from usvjax.study.route_finish import Sailing, as_it_is, through_key_points
+from usvjax.study.route_methods import METHODS, SearchOptions, find_paths
+from usvjax.study.route_queries import Chart, GridQueries, RandomQueries
+from usvjax.study.route_workload import RouteWorkload
+from usvkernels.status import Status
+
+JOBS = np.arange(40)
+SHAPE = (16, 16)
+RUN = ("astar", "manhattan", "turning", "shortened", "smoothed", "bspline")
+CELL = 10.0
+
+
+def pond():
+    """Two bodies of water, the larger one with an island: 18 x 14 cells of 50 m."""
+    blocked = np.ones((14, 18), bool)
+    blocked[1:13, 1:12] = False
+    blocked[5:8, 4:7] = True
+    blocked[1:13, 13:17] = False
+    return GridMap(blocked, 50.0, (100.0, -200.0))
+
+
+def pond_queries(**changes):
+    return Chart(pond(), GridQueries(**{"map": "pond", "min_distance": 200.0, **changes}))
+
+
+SOURCES = {
+    "free": RandomQueries(SHAPE, 0.3, CELL, "free", 50.0),
+    "connected": RandomQueries(SHAPE, 0.45, CELL, "connected", 30.0),
+    "harbours": pond_queries(),
+    "bodies": pond_queries(ends="connected"),
+    "inflated": pond_queries(ends="free", inflate=50.0),
+}
+
+
+def at(queries, row, cell):
+    grid = queries.blocked if queries.blocked.ndim == 2 else queries.blocked[row]
+    return bool(grid[cell[1], cell[0]])
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_queries_end_on_free_cells_that_are_far_enough(name):
+    source = SOURCES[name]
+    drawn = source.draw(3, JOBS)
+    least = (source.spec if isinstance(source, Chart) else source).min_distance
+    away = drawn.goals - drawn.starts
+    assert (np.hypot(*away.T) * source.cell_size >= least).all()
+    for row in JOBS:
+        assert not at(drawn, row, drawn.starts[row])
+        assert not at(drawn, row, drawn.goals[row])
+    assert len({tuple(s) for s in drawn.starts.tolist()}) > 20
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_a_query_is_the_same_alone_as_among_others(name):
+    among, alone = (SOURCES[name].draw(8, np.asarray(jobs)) for jobs in (range(50), [31, 7]))
+    for field in ("starts", "goals"):
+        np.testing.assert_array_equal(getattr(among, field)[[31, 7]], getattr(alone, field))
+    if among.blocked.ndim == 3:
+        np.testing.assert_array_equal(among.blocked[[31, 7]], alone.blocked)
+    again = SOURCES[name].draw(9, np.asarray([31, 7]))
+    assert (again.starts != alone.starts).any()
+
+
+def test_connected_ends_are_joined_and_free_ones_need_not_be():
+    for ends, share in (("connected", 1.0), ("free", None)):
+        drawn = RandomQueries(SHAPE, 0.45, CELL, ends).draw(0, JOBS)
+        joined = []
+        for row in JOBS:
+            labels = ndimage.label(~drawn.blocked[row])[0]
+            (sx, sy), (gx, gy) = drawn.starts[row], drawn.goals[row]
+            joined.append(labels[sy, sx] == labels[gy, gx])
+        assert np.mean(joined) == share if share else 0.1 < np.mean(joined) < 0.9
+
+
+def test_harbours_lie_at_the_shore_of_the_largest_water():
+    drawn = pond_queries().draw(1, np.arange(300))
+    grid = pond().blocked
+    near = ndimage.binary_dilation(grid, np.ones((3, 3), bool)) & ~grid
+    wanted = {(x, y) for y, x in np.argwhere(near) if x < 12}
+    seen = {tuple(c) for c in np.concatenate([drawn.starts, drawn.goals]).tolist()}
+    assert seen == wanted
+
+
+def test_ends_of_bodies_share_their_body_and_both_bodies_occur():
+    drawn = SOURCES["bodies"].draw(1, np.arange(300))
+    east = drawn.starts[:, 0] > 12
+    np.testing.assert_array_equal(east, drawn.goals[:, 0] > 12)
+    assert 0 < east.mean() < 0.5
+
+
+def test_inflated_water_is_narrower_and_land_stays():
+    drawn = SOURCES["inflated"].draw(1, JOBS)
+    np.testing.assert_array_equal(drawn.land, pond().blocked)
+    np.testing.assert_array_equal(drawn.blocked, pond().inflated(50.0).blocked)
+    assert drawn.blocked.sum() > drawn.land.sum()
+
+
+def test_maps_are_those_of_random_maps_and_denser_ones_contain_them():
+    thin, thick = (RandomQueries(SHAPE, d).draw(5, JOBS).blocked for d in (0.1, 0.4))
+    np.testing.assert_array_equal(thin, random_maps(5, 40, SHAPE, 0.1))
+    assert (thick | ~thin).all()
+
+
+def test_starts_and_goals_are_uniform_and_do_not_follow_the_map():
+    open_water = RandomQueries((4, 4), 0.0).draw(2, np.arange(3200))
+    for cells in (open_water.starts, open_water.goals):
+        counts = np.bincount(cells[:, 1] * 4 + cells[:, 0], minlength=16)
+        assert chisquare(counts).pvalue > 1e-4
+    assert (open_water.starts != open_water.goals).any(axis=1).all()
+
+
+def test_a_least_distance_of_whole_cells_is_kept_despite_rounding():
+    drawn = RandomQueries((1, 4), 0.0, 0.1, "free", 0.3).draw(0, JOBS)
+    assert {tuple(sorted(p)) for p in zip(drawn.starts[:, 0], drawn.goals[:, 0], strict=True)} == {
+        (0, 3)
+    }
+
+
+def route_study(**changes):
+    study = {
+        "name": "small",
+        "kind": "route",
+        "seed": 4,
+        "episodes": 40,
+        "shard": 20,
+        "maps": {"shape": list(SHAPE), "density": 0.3, "cell_size": CELL, "min_distance": 50.0},
+        "smoothing": {"turning_radius": 6.0, "repair": 0},
+    }
+    return {**study, **changes}
+
+
+@pytest.fixture(scope="module")
+def spec():
+    return parse_spec(route_study())
+
+
+@pytest.fixture(scope="module")
+def rows(spec):
+    """Results of methods on the same queries."""
+    (condition,) = spec.conditions
+    return {m: spec.workload.run(spec, condition, m, JOBS) for m in RUN}
+
+
+def oracle(blocked, start, goal):
+    """Length of the shortest route by scipy's Dijkstra, cells; no corner is cut."""
+    height, width = blocked.shape
+    free = np.pad(~blocked, 1)
+    number = np.arange(height * width).reshape(height, width)
+    tails, heads, costs = [], [], []
+    for dx, dy in ((1, 0), (0, 1), (1, 1), (-1, 1)):
+        for y, x in np.argwhere(~blocked):
+            there = free[y + 1 + dy, x + 1 + dx]
+            beside = free[y + 1, x + 1 + dx] and free[y + 1 + dy, x + 1]
+            if there and (beside or dx * dy == 0):
+                tails.append(number[y, x])
+                heads.append(number[y + dy, x + dx])
+                costs.append(math.hypot(dx, dy))
+    graph = coo_matrix((costs, (tails, heads)), shape=(height * width,) * 2).tocsr()
+    found = dijkstra(graph, directed=False, indices=number[start[1], start[0]])
+    return float(found[number[goal[1], goal[0]]])
+
+
+def test_lengths_and_endings_agree_with_dijkstra(spec, rows):
+    drawn = spec.conditions[0].payload.source.draw(4, JOBS)
+    wanted = np.array([oracle(drawn.blocked[j], drawn.starts[j], drawn.goals[j]) for j in JOBS])
+    unreachable = np.isinf(wanted)
+    assert 0 < unreachable.sum() < len(JOBS)
+    for name in RUN:
+        assert ((rows[name]["status"] == Status.UNREACHABLE) == unreachable).all()
+    there = ~unreachable
+    np.testing.assert_allclose(rows["astar"]["path_length"][there], CELL * wanted[there], rtol=1e-7)
+    for name in RUN:
+        there = rows[name]["status"] == Status.FOUND
+        np.testing.assert_allclose(
+            rows[name]["ratio"][there], rows[name]["path_length"][there] / (CELL * wanted[there])
+        )
+
+
+def test_methods_keep_what_they_promise(rows):
+    found = {m: r["status"] == Status.FOUND for m, r in rows.items()}
+    there = found["astar"]
+    for name in ("astar", "manhattan", "turning"):
+        assert (rows[name]["ratio"][there] >= 1.0 - 1e-9).all()
+        assert (rows["turning"]["cost"] <= rows[name]["cost"] + 1e-3)[there].all()
+        assert rows[name]["min_clearance"][there] == pytest.approx(CELL / 2)
+        np.testing.assert_array_equal(rows[name]["sharp_turns"], rows[name]["turns"])
+    assert rows["turning"]["turning"][there].sum() < rows["astar"]["turning"][there].sum()
+    assert (rows["shortened"]["path_length"] <= rows["astar"]["path_length"] + 1e-6)[there].all()
+    assert (rows["shortened"]["min_clearance"][there] > 0).all()
+    assert rows["shortened"]["turns"][there].sum() < rows["astar"]["turns"][there].sum()
+    smooth = rows["smoothed"]
+    assert (smooth["min_clearance"][there] > 0).all()
+    assert smooth["sharp_turns"][there].sum() < 0.5 * rows["shortened"]["turns"][there].sum()
+    assert (rows["bspline"]["min_clearance"][found["bspline"]] > 0).all()
+    for name in ("shortened", "smoothed", "bspline"):
+        np.testing.assert_array_equal(rows[name]["expanded"], rows["astar"]["expanded"])
+
+
+def test_the_cost_is_length_and_turning(rows):
+    for row in rows.values():
+        there = row["status"] == Status.FOUND
+        turned = 0.5 * CELL * row["turning"] / (math.pi / 4)
+        np.testing.assert_allclose(row["cost"][there], (row["path_length"] + turned)[there])
+
+
+def test_without_a_route_there_is_no_figure(rows):
+    lost = rows["smoothed"]["status"] == Status.UNREACHABLE
+    for name in ("path_length", "ratio", "cost", "turning", "min_clearance"):
+        assert np.isnan(rows["smoothed"][name][lost]).all()
+    assert (rows["smoothed"]["turns"][lost] == 0).all()
+    assert (rows["smoothed"]["expanded"][lost] > 0).all()
+
+
+def test_a_grid_route_turns_by_45_degrees_a_whole_number_of_times(rows):
+    row = rows["astar"]
+    there = row["status"] == Status.FOUND
+    steps = row["turning"][there] / (math.pi / 4)
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
+    assert (steps >= row["turns"][there] - 1e-6).all()
+
+
+@pytest.mark.parametrize("method", ["smoothed", "bspline"])
+def test_a_route_is_the_same_alone_as_among_others(spec, rows, method):
+    some = np.array([3, 17])
+    alone = spec.workload.run(spec, spec.conditions[0], method, some)
+    for name, values in rows[method].items():
+        np.testing.assert_array_equal(
+            np.float32(values[some]), np.float32(alone[name]), err_msg=name
+        )
+
+
+def test_a_bound_on_expansions_ends_a_search_and_spoils_no_ratio(spec):
+    bounded = parse_spec(route_study(search={"max_expansions": 12}))
+    run = bounded.workload.run(bounded, bounded.conditions[0], "manhattan", JOBS)
+    gave_up = run["status"] == Status.OUT_OF_BUDGET
+    assert 0 < gave_up.sum() < len(JOBS)
+    assert np.isfinite(run["ratio"][run["status"] == Status.FOUND]).all()
+    assert np.isnan(run["path_length"][gave_up]).all()
+
+
+@pytest.mark.parametrize(
+    ("method", "wanted"),
+    [
+        ("astar", {"heuristic": "octile", "weight": 1.0, "turn_cost": 0.0}),
+        ("key_points", {"heuristic": "octile", "weight": 1.0, "turn_cost": 0.0}),
+        ("manhattan", {"heuristic": "manhattan", "weight": 1.0, "turn_cost": 0.0}),
+        ("weighted", {"heuristic": "octile", "weight": 2.5, "turn_cost": 0.0}),
+        ("turning", {"turn_cost": 0.75, "turn_mode": "exact", "weight": 1.0}),
+        ("turning_parent", {"turn_cost": 0.75, "turn_mode": "parent", "weight": 1.0}),
+    ],
+)
+def test_methods_search_as_they_say(method, wanted, monkeypatch):
+    seen = {}
+    monkeypatch.setattr("usvjax.study.route_methods.astar", lambda *_, **given: seen.update(given))
+    options = SearchOptions(True, 8, turn_cost=0.75, weight=2.5, max_expansions=9)
+    find_paths(RandomQueries(SHAPE).draw(0, JOBS), options, method)
+    shared = {"corner_cutting": True, "connectivity": 8, "max_expansions": 9, "engine": "queue"}
+    assert {**wanted, **shared}.items() <= seen.items()
+
+
+def test_key_points_are_drawn_from_the_path():
+    cells = np.array([[[0, 0], [1, 0], [2, 1], [3, 2], [3, 3], [3, 3]]])
+    blocked = np.zeros((4, 4), bool)
+    sailing = Sailing(blocked, 2.0, (10.0, 20.0), False, 1.0, None, 0)
+    line = through_key_points(cells, np.array([5]), sailing)
+    assert line.points[0, : line.counts[0]].tolist() == [[11.0, 21.0], [17.0, 27.0]]
+    assert (line.corners, line.length, line.turning) == ([0], [pytest.approx(72**0.5)], [0.0])
+    plain = as_it_is(cells, np.array([5]), sailing)
+    assert plain.corners == plain.sharp == [2]
+    assert plain.length == pytest.approx(2.0 * (2 + 2 * 2**0.5))
+    assert plain.turning == pytest.approx(math.pi / 2)
+
+
+def test_a_study_runs_summarises_and_repeats(tmp_path):
+    methods = ["astar", "shortened"]
+    study = route_study(methods=methods, shard=40, axes={"maps.density": [0.1, 0.3]})
+    first, again = (run_study(parse_spec(study), tmp_path / name, devices=1) for name in "ab")
+    assert first.summary == again.summary
+    table = load_run(first.path).table()
+    assert table.height == 2 * 2 * 40
+    assert set(table["status"].unique()) <= {Status.FOUND, Status.UNREACHABLE}
+    conditions = first.summary["conditions"]
+    assert conditions[0]["pairs"][0]["metrics"]["ratio"]["difference"]["value"] < 0
+    thin, thick = (c["methods"][0]["statuses"]["FOUND"]["count"] for c in conditions)
+    assert thin > thick
+
+
+def test_a_study_of_a_grid_names_its_map_and_digest(tmp_path):
+    save_map(pond(), tmp_path / "pond.map")
+    study = route_study(maps={"source": "grid", "map": "pond.map", "min_distance": 300.0})
+    (condition,) = parse_spec(study, folder=tmp_path).conditions
+    assert list(condition.inputs) == ["pond.map"]
+    assert condition.settings["maps"]["ends"] == "harbours"
+    assert condition.payload.turning_radius == 6.0
+    assert condition.payload.source.chart == pond()
+
+
+def test_the_turning_radius_is_one_cell_by_default():
+    (condition,) = parse_spec(route_study(smoothing={})).conditions
+    assert condition.settings["smoothing"]["turning_radius"] == CELL
+
+
+@pytest.mark.parametrize("name", ["route_hongze", "route_random"])
+def test_shipped_studies_can_be_read(name, request):
+    spec = load_spec(request.config.rootpath / "studies" / f"{name}.toml")
+    assert spec.name == name
+    assert spec.baseline == "astar"
+    assert all(c.settings["search"]["turn_cost"] == 0.5 for c in spec.conditions)
+
+
+SCEN = """version 1
+0\tmaps/room.map\t6\t5\t0\t0\t5\t0\t5
+1\tmaps/room.map\t6\t5\t0\t0\t1\t1\t1.41421356
+2\tmaps/room.map\t6\t5\t2\t2\t2\t2\t0
+3\tmaps/room.map\t6\t5\t0\t0\t0\t4\t8
+"""
+
+
+@pytest.fixture
+def benchmark(tmp_path):
+    blocked = np.zeros((5, 6), bool)
+    save_map(GridMap(blocked), tmp_path / "room.map")
+    (tmp_path / "room.map.scen").write_text(SCEN)
+    return tmp_path
+
+
+def scen_study(**changes):
+    maps = {"source": "movingai", "scen": "room.map.scen", **changes.pop("maps", {})}
+    return route_study(**{"episodes": 4, "maps": maps, "smoothing": {}, **changes})
+
+
+def test_a_scenario_file_gives_every_query_once_with_its_optimum(benchmark):
+    spec = parse_spec(scen_study(maps={"cell_size": 2.0}), folder=benchmark)
+    drawn = spec.conditions[0].payload.source.draw(4, np.arange(4))
+    assert sorted(drawn.published.tolist()) == [0.0, 1.41421356, 5.0, 8.0]
+    assert drawn.starts.tolist() != [[0, 0], [0, 0], [2, 2], [0, 0]]
+    row = spec.workload.run(spec, spec.conditions[0], "astar", np.arange(4))
+    ratio = dict(zip(drawn.published.tolist(), row["ratio"].tolist(), strict=True))
+    # The last line is wrong on purpose: the route is 4 cells long.
+    assert ratio == pytest.approx({0.0: 1.0, 1.41421356: 1.0, 5.0: 1.0, 8.0: 0.5})
+    assert set(row["path_length"].round(6)) == {0.0, 2.828427, 10.0, 8.0}
+
+
+@pytest.mark.parametrize("method", ["smoothed", "bspline"])
+def test_a_route_from_a_cell_to_itself_has_no_length(benchmark, method):
+    spec = parse_spec(scen_study(), folder=benchmark)
+    row = spec.workload.run(spec, spec.conditions[0], method, np.arange(4))
+    nowhere = spec.conditions[0].payload.source.draw(4, np.arange(4)).published == 0.0
+    assert row["path_length"][nowhere] == [0.0]
+    assert row["ratio"][nowhere] == [1.0]
+    assert (row["status"] == Status.FOUND).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("version 1", "bucket", "no 'version' in line 1"),
+        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0", "line 2 has 8 fields"),
+        ("6\t5\t0\t0\t5\t0\t5", "7\t5\t0\t0\t5\t0\t5", "line 2 is for a map of 7 x 5 cells"),
+        (
+            "6\t5\t0\t0\t5\t0\t5",
+            "6\t5\t0\t0\t6\t0\t5",
+            r"line 2: the goal \[6, 0\] is no free cell",
+        ),
+        ("6\t5\t2\t2\t2\t2\t0", "6\t5\t2\t-1\t2\t2\t0", r"line 4: the start \[2, -1\]"),
+        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0\tfar", "line 2 is no query"),
+        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0\tnan", "line 2: the length is nan"),
+        ("room.map", "hall.map", r"hall\.map: no such file"),
+    ],
+)
+def test_bad_scenario_files_are_refused(benchmark, old, new, words):
+    path = benchmark / "room.map.scen"
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(BadInputError, match=words) as caught:
+        parse_spec(scen_study(), folder=benchmark, where="study.toml")
+    assert str(caught.value).startswith("study.toml")
+
+
+def test_more_episodes_than_queries_are_refused(benchmark):
+    with pytest.raises(BadInputError, match="'episodes' must be at most 4"):
+        parse_spec(scen_study(episodes=5), folder=benchmark)
+
+
+@pytest.mark.parametrize(
+    ("table", "change", "words"),
+    [
+        ("maps", {"density": 1.5}, "'density' must lie in"),
+        ("maps", {"cell_size": 0.0}, "'cell_size' must be above 0"),
+        ("maps", {"shape": [0, 16]}, "'shape' must be"),
+        ("maps", {"shape": [1, 1]}, "'shape' must be"),
+        ("maps", {"ends": "harbors"}, "unknown ends 'harbors'"),
+        ("maps", {"ends": "harbours"}, "unknown ends 'harbours'"),
+        ("maps", {"min_distance": -1.0}, "'min_distance' must be 0 or more"),
+        ("maps", {"min_distance": 900.0}, "no start and goal 90 cells apart"),
+        ("maps", {"density": 1.0}, "no start and goal"),
+        ("maps", {"source": "lattice"}, "unknown source 'lattice'"),
+        ("maps", {"rate": 0.1}, "unknown key 'rate'"),
+        ("search", {"weight": 0.5}, "'weight' must be at least 1"),
+        ("search", {"turn_cost": -0.5}, "'turn_cost' must lie between"),
+        ("search", {"connectivity": 6}, "'connectivity' must be 4 or 8"),
+        ("search", {"max_expansions": 0}, "'max_expansions' must be at least 1"),
+        ("smoothing", {"turning_radius": 0.0}, "'turning_radius' must be above 0"),
+        ("smoothing", {"turning_radius": 161.0}, "at most 160 m"),
+        ("smoothing", {"safety_range": math.nan}, "'safety_range' must be above 0"),
+        ("smoothing", {"repair": -1}, "'repair' must be 0 or more"),
+    ],
+)
+def test_settings_that_cannot_be_used_are_refused(table, change, words, monkeypatch):
+    monkeypatch.setattr("usvjax.study.route_queries._ROUNDS", 3)
+    study = route_study()
+    study[table] = {**study.get(table, {}), **change}
+    with pytest.raises(BadInputError, match=words) as caught:
+        parse_spec(study, where="study.toml")
+    assert f"study.toml: [{table}]" in str(caught.value) or "no start and goal" in words
+
+
+def test_a_grid_refuses_what_it_cannot_use(tmp_path):
+    save_map(pond(), tmp_path / "pond.map")
+    for change, words in (
+        ({"inflate": -1.0}, "'inflate' must be 0 or more"),
+        ({"refine": 0}, "'refine' must be at least 1"),
+        ({"inflate": 5000.0}, "no start and goal"),
+        ({"map": "lake.map"}, r"lake\.map: no such file"),
+    ):
+        maps = {"source": "grid", "map": "pond.map", **change}
+        with pytest.raises(BadInputError, match=words):
+            parse_spec(route_study(maps=maps, smoothing={}), folder=tmp_path)
+
+
+def test_wrong_types_are_refused():
+    with pytest.raises(BadTypeError, match="'corner_cutting' must be a boolean"):
+        parse_spec(route_study(search={"corner_cutting": 1}))
+    with pytest.raises(BadTypeError, match="'source' must be a string"):
+        parse_spec(route_study(maps={"source": 3}))
+
+
+def test_methods_of_the_workload_are_those_of_the_table():
+    assert RouteWorkload.methods == tuple(METHODS)
+    with pytest.raises(BadInputError, match="unknown method 'smooth' in 'methods'"):
+        parse_spec(route_study(methods=["smooth"]))

@@ -1,0 +1,126 @@
+"""Curvature along routes against what a vessel can sail."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike, NDArray
+
+from usvjax.errors import BadInputError
+from usvjax.plots import style
+from usvjax.plots.paths import clean_track
+
+FloatArray = NDArray[np.float64]
+
+# Below this change of course a path goes straight on, rad.
+_STRAIGHT_ON = 1e-6
+
+_BOUND: dict[str, Any] = {"color": "#404040", "linestyle": "--", "linewidth": 0.9}
+
+
+@dataclass(frozen=True)
+class Bends:
+    """How a route bends along its way.
+
+    Attributes:
+        distance: float[n], from the start, m.
+        curvature: float[n], 1/m, positive to port.
+        at_corners: whether the route is straight but for corners at these distances; otherwise
+            these are samples of a smooth curve.
+    """
+
+    distance: FloatArray
+    curvature: FloatArray
+    at_corners: bool
+
+
+def bends_of(points: ArrayLike, curvature: ArrayLike | None = None) -> Bends:
+    """How a route bends, for `plot_curvature`.
+
+    Args:
+        points: float[P, 2 or more], (x, y) in m; rows with NaN are padding.
+        curvature: float[P], 1/m, at the points of a smooth curve. None of a route of straight
+            segments: there the discrete curvature of each corner is taken,
+            2 sin(w / 2) / ((a + b) / 2) for the deflection w between segments a and b.
+
+    Raises:
+        BadInputError: Shapes that do not agree, or no finite point.
+    """
+    line = clean_track(points, "points")
+    step = np.diff(line, axis=0)
+    length = np.hypot(*step.T)
+    distance = np.concatenate([[0.0], np.cumsum(length)])
+    if curvature is not None:
+        values = np.asarray(curvature, dtype=float)
+        if len(values) < len(line):
+            raise BadInputError(f"curvature has {len(values)} values; {len(line)} were wanted")
+        return Bends(distance, values[: len(line)], at_corners=False)
+    moved = length > 0
+    step, length, distance = step[moved], length[moved], np.cumsum(length[moved])
+    course = np.arctan2(step[:, 1], step[:, 0])
+    turn = (np.diff(course) + np.pi) % (2 * np.pi) - np.pi
+    bent = np.abs(turn) > _STRAIGHT_ON
+    mean = (length[1:] + length[:-1]) / 2
+    values = 2 * np.sin(turn[bent] / 2) / mean[bent]
+    return Bends(distance[:-1][bent], values, at_corners=True)
+
+
+@style.styled
+def plot_curvature(
+    routes: Mapping[str, Bends], turning_radius: float, *, title: str | None = None
+) -> Figure:
+    """Draw the curvature along routes, one above the other, with the bounds +-1/R.
+
+    Args:
+        routes: Name to how the route bends. Corners are drawn as stems, since a corner's
+            curvature depends on how finely the path is cut; curves as lines.
+        turning_radius: R, m.
+        title: Title of the figure.
+
+    Returns:
+        The figure, 170 mm wide.
+
+    Raises:
+        BadInputError: No route, or a radius that is not above 0.
+    """
+    if not routes:
+        raise BadInputError("routes is empty; at least one was wanted")
+    if not (np.isfinite(turning_radius) and turning_radius > 0):
+        raise BadInputError(f"turning_radius is {turning_radius}; a number above 0 (m) was wanted")
+    fig = style.new_figure(style.DOUBLE_MM, 28 + 34 * len(routes))
+    axes = fig.subplots(len(routes), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
+    longest = max(float(b.distance.max(initial=0.0)) for b in routes.values())
+    scale, unit = (1000.0, "km") if longest >= 5000 else (1.0, "m")
+    bound = 1.0 / turning_radius
+    largest = {n: float(np.abs(b.curvature).max(initial=0.0)) for n, b in routes.items()}
+    most = max(1.25 * bound, 1.1 * max(largest.values()))
+    looks = style.method_looks(routes)
+    for ax, (name, bends) in zip(axes, routes.items(), strict=True):
+        _draw_bends(ax, bends, scale, looks[name].colour)
+        for side in (-bound, bound):
+            ax.axhline(side, **_BOUND, zorder=2)
+        ax.set(ylim=(-most, most), ylabel="curvature (1/m)")
+        ax.ticklabel_format(axis="y", scilimits=(-2, 3))
+        what = "discrete curvature of corners" if bends.at_corners else "curvature"
+        ax.set_title(f"{name}: {what} up to {largest[name] / bound:.2f} / R", loc="right")
+    axes[-1].set(xlabel=f"distance along the route ({unit})", xlim=(0, longest / scale))
+    if title:
+        fig.suptitle(style.folded(title, 95))
+    label = f"bounds of a turning radius R = {turning_radius:g} m"
+    handle = Line2D([], [], label=label, **_BOUND)
+    style.outside_legend(fig, [handle], columns=1)
+    return style.settle(fig)
+
+
+def _draw_bends(ax: Axes, bends: Bends, scale: float, colour: str) -> None:
+    ax.axhline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
+    along = bends.distance / scale
+    if bends.at_corners:
+        ax.vlines(along, 0.0, bends.curvature, colors=colour, linewidth=1.0, zorder=3)
+        ax.plot(along, bends.curvature, ".", color=colour, markersize=3, zorder=3)
+    else:
+        ax.plot(along, bends.curvature, color=colour, linewidth=1.0, zorder=3)

@@ -1,0 +1,227 @@
+"""Routes on a chart: one query under several methods, or many queries at once."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Rectangle
+from numpy.typing import ArrayLike, NDArray
+
+from usvjax.errors import BadInputError
+from usvjax.maps import GridMap
+from usvjax.plots import base_map, style
+from usvjax.plots.paths import clean_track, draw_ends
+
+FloatArray = NDArray[np.float64]
+
+# The part of a chart about some routes: room around them, and its least shape.
+_MARGIN = 0.08
+_LEAST_SHAPE = 0.35
+# Places that a close-up may be about.
+_MOST_PLACES = 1000
+
+
+@style.styled
+def plot_routes(
+    grid_map: GridMap,
+    routes: Mapping[str, ArrayLike],
+    *,
+    labels: Mapping[str, str] | None = None,
+    view: base_map.View | None = None,
+    closeup: float | None = None,
+    turning_radius: float | None = None,
+    title: str | None = None,
+) -> Figure:
+    """Draw routes between the same two points on a chart, north up.
+
+    Args:
+        grid_map: The map; `blocked` cells are land.
+        routes: Name to float[P, 2 or more], whose first two columns are (x, y) in m; rows with
+            NaN are padding. Names of methods have their own colour and line in every figure.
+            Later ones lie above earlier ones.
+        labels: Name to what the legend says; by default the name and the length.
+        view: (west, east, south, north), m; by default the part around the routes.
+        closeup: Width, m, of a second chart of where the first route turns most; None draws
+            none.
+        turning_radius: R, m; draws the vessel's turning circle to scale into the close-up.
+        title: Title of the axes.
+
+    Returns:
+        The figure, 170 mm wide. Data coordinates are metres; the axes are labelled in
+        kilometres from 5 km up.
+
+    Raises:
+        BadInputError: No route, one of a wrong shape or without a finite point, or a close-up
+            that is not above 0 wide.
+    """
+    if not routes:
+        raise BadInputError("routes is empty; at least one was wanted")
+    if closeup is not None and not closeup > 0:
+        raise BadInputError(f"closeup is {closeup}; a width above 0 (m) was wanted")
+    lines = {name: clean_track(route, name) for name, route in routes.items()}
+    view = view or view_around(grid_map, list(lines.values()))
+    if closeup is None:
+        fig, ax = base_map.new_sheet(grid_map, view)
+    else:
+        fig, ax = _two_sheets(grid_map, view, busiest(next(iter(lines.values())), closeup))
+    handles: list[Line2D] = []
+    for axes in fig.axes:
+        handles = _draw_routes(axes, lines, labels or {})
+    if closeup is not None and turning_radius is not None:
+        handles.append(_draw_circle(fig.axes[1], turning_radius))
+    if title:
+        fig.suptitle(style.folded(title, 95))
+    columns = 3 if max(len(str(h.get_label())) for h in handles) < 36 else 2
+    style.outside_legend(fig, handles, columns=columns)
+    return base_map.finish_sheet(fig, ax, grid_map, grid_map.attribution)
+
+
+def _draw_routes(
+    ax: Axes, lines: Mapping[str, FloatArray], labels: Mapping[str, str]
+) -> list[Line2D]:
+    """Draw all routes and their ends; return the legend's handles."""
+    looks = style.method_looks(lines)
+    handles = []
+    for layer, (name, line) in enumerate(lines.items()):
+        colour, dashes, _ = looks[name]
+        ax.plot(*line.T, color=colour, linestyle=dashes, zorder=3 + 0.01 * layer)
+        label = labels.get(name) or f"{name}: {length_words(length_of(line))}"
+        handles.append(Line2D([], [], color=colour, linestyle=dashes, label=label))
+    first = next(iter(lines.values()))
+    return [*draw_ends(ax, first[0], first[-1], None), *handles]
+
+
+def _two_sheets(grid_map: GridMap, view: base_map.View, near: base_map.View) -> tuple[Figure, Axes]:
+    """Make a figure with a chart on the left and, from it, a close-up on the right."""
+    west, east, south, north = view
+    shape = min(max((north - south) / (east - west), 0.4), 1.6)
+    wide = min(max(1.0 / shape, 0.6), 1.6)
+    fig = style.new_figure(style.DOUBLE_MM, style.DOUBLE_MM / (1.05 + wide) + 24)
+    ax, closer = fig.subplots(1, 2, width_ratios=(wide, 1.0))
+    for axes, (left, right, bottom, top) in ((ax, view), (closer, near)):
+        base_map.paint_map(axes, grid_map)
+        axes.set(xlim=(left, right), ylim=(bottom, top))
+    frame = Rectangle(near[::2], near[1] - near[0], near[3] - near[2], fill=False)
+    frame.set(edgecolor=style.BLACK, linewidth=0.8, zorder=4)
+    ax.add_patch(frame)
+    base_map.label_axes(closer)
+    closer.set(ylabel="", title=f"framed part, {length_words(near[1] - near[0])} wide")
+    return fig, ax
+
+
+def _draw_circle(ax: Axes, radius: float) -> Line2D:
+    """Draw the turning circle into the corner of a close-up; return the legend's handle."""
+    west, south = ax.get_xlim()[0], ax.get_ylim()[0]
+    look: dict[str, Any] = {"color": style.BLACK, "linewidth": 0.9, "linestyle": ":"}
+    ring = Circle((west + 1.3 * radius, south + 1.3 * radius), radius, fill=False, zorder=4, **look)
+    ax.add_patch(ring)
+    return Line2D([], [], label=f"turning circle, R = {radius:g} m", **look)
+
+
+def busiest(line: FloatArray, width: float) -> base_map.View:
+    """Choose the square where a line turns most.
+
+    Args:
+        line: float[P, 2], m.
+        width: Side of the square, m.
+
+    Returns:
+        (west, east, south, north), m, about the point with the most turning within reach, the
+        first of equals.
+    """
+    step = np.diff(line, axis=0)
+    course = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+    turning = np.abs(np.diff(course, prepend=course[:1], append=course[-1:]))
+    corners = np.flatnonzero(turning > 0)
+    places = line[corners[:: max(1, len(corners) // _MOST_PLACES)]] if len(corners) else line[:1]
+    near = (np.abs(places[:, None] - line[None]) < 0.4 * width).all(axis=-1)
+    x, y = places[(near @ turning).argmax()]
+    return x - width / 2, x + width / 2, y - width / 2, y + width / 2
+
+
+@style.styled
+def plot_route_chart(
+    grid_map: GridMap,
+    routes: Sequence[ArrayLike],
+    *,
+    view: base_map.View | None = None,
+    title: str | None = None,
+) -> Figure:
+    """Draw many routes on one chart, with their ends, north up.
+
+    Args:
+        grid_map: The map; `blocked` cells are land.
+        routes: float[P, 2 or more] each, whose first two columns are (x, y) in m.
+        view: (west, east, south, north), m; by default the whole map.
+        title: Title of the axes.
+
+    Returns:
+        The figure, 170 mm wide, as that of `plot_routes`.
+
+    Raises:
+        BadInputError: No route, one of a wrong shape or without a finite point.
+    """
+    if not len(routes):
+        raise BadInputError("routes is empty; at least one was wanted")
+    lines = [clean_track(route, f"{i}") for i, route in enumerate(routes)]
+    fig, ax = base_map.new_sheet(grid_map, view)
+    paths = LineCollection(lines, colors=style.BLUE, linewidths=0.7, alpha=0.45, zorder=2)
+    ax.add_collection(paths, autolim=False)
+    handles: list[Line2D] = [Line2D([], [], color=style.BLUE, label=f"{len(lines):,} routes")]
+    for end, marker, fill, label in ((0, "o", "white", "start"), (-1, "s", style.ORANGE, "goal")):
+        points = np.array([line[end] for line in lines])
+        (mark,) = ax.plot(
+            *points.T,
+            linestyle="",
+            marker=marker,
+            markersize=2.6,
+            markerfacecolor=fill,
+            markeredgecolor=style.BLACK,
+            markeredgewidth=0.4,
+            zorder=3,
+            label=label,
+        )
+        handles.append(mark)
+    if title:
+        ax.set_title(style.folded(title, 95))
+    style.outside_legend(fig, handles, columns=len(handles))
+    return base_map.finish_sheet(fig, ax, grid_map, grid_map.attribution)
+
+
+def view_around(grid_map: GridMap, lines: Sequence[FloatArray]) -> base_map.View:
+    """Choose the part of a map that shows some lines with room about them.
+
+    Args:
+        grid_map: The map; the view lies inside it where it fits.
+        lines: float[P, 2] each, m.
+
+    Returns:
+        (west, east, south, north), m; neither side is less than a third of the other.
+    """
+    points = np.concatenate(list(lines))
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = max(_MARGIN * float((high - low).max()), 3.0 * grid_map.cell_size)
+    size = high - low + 2 * room
+    size = np.maximum(size, _LEAST_SHAPE * size.max())
+    west, east, south, north = grid_map.extent
+    edges = []
+    for middle, length, least, most in zip(
+        (low + high) / 2, size, (west, south), (east, north), strict=True
+    ):
+        begin = max(min(float(middle - length / 2), most - float(length)), least)
+        edges += [begin, min(begin + float(length), most)]
+    return edges[0], edges[1], edges[2], edges[3]
+
+
+def length_of(line: FloatArray) -> float:
+    """Length of a line float[P, 2]."""
+    return float(np.hypot(*np.diff(line, axis=0).T).sum())
+
+
+def length_words(metres: float) -> str:
+    """Write a length in m, or in km from 5 km up, to four digits."""
+    return f"{metres / 1000:.4g} km" if metres >= 5000 else f"{metres:.4g} m"
