@@ -2,132 +2,33 @@
 
 import math
 
+import jax
 import numpy as np
 import pytest
-from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
-from scipy.stats import chisquare
+from test_route_queries import pond
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import GridMap, random_maps, save_map
+from usvjax.maps import save_map
 from usvjax.study import load_run, load_spec, parse_spec, run_study
 from usvjax.study.route_finish import Sailing, as_it_is, through_key_points
 from usvjax.study.route_methods import METHODS, SearchOptions, find_paths
-from usvjax.study.route_queries import Chart, GridQueries, RandomQueries
+from usvjax.study.route_queries import RandomQueries
 from usvjax.study.route_workload import RouteWorkload
 from usvkernels.status import Status
 
 JOBS = np.arange(40)
 SHAPE = (16, 16)
-RUN = ("astar", "manhattan", "turning", "shortened", "smoothed", "bspline")
+RUN = ("astar", "turning", "shortened", "smoothed", "bspline")
 CELL = 10.0
 
 
-def pond():
-    """Two bodies of water, the larger one with an island: 18 x 14 cells of 50 m."""
-    blocked = np.ones((14, 18), bool)
-    blocked[1:13, 1:12] = False
-    blocked[5:8, 4:7] = True
-    blocked[1:13, 13:17] = False
-    return GridMap(blocked, 50.0, (100.0, -200.0))
-
-
-def pond_queries(**changes):
-    return Chart(pond(), GridQueries(**{"map": "pond", "min_distance": 200.0, **changes}))
-
-
-SOURCES = {
-    "free": RandomQueries(SHAPE, 0.3, CELL, "free", 50.0),
-    "connected": RandomQueries(SHAPE, 0.45, CELL, "connected", 30.0),
-    "harbours": pond_queries(),
-    "bodies": pond_queries(ends="connected"),
-    "inflated": pond_queries(ends="free", inflate=50.0),
-}
-
-
-def at(queries, row, cell):
-    grid = queries.blocked if queries.blocked.ndim == 2 else queries.blocked[row]
-    return bool(grid[cell[1], cell[0]])
-
-
-@pytest.mark.parametrize("name", SOURCES)
-def test_queries_end_on_free_cells_that_are_far_enough(name):
-    source = SOURCES[name]
-    drawn = source.draw(3, JOBS)
-    least = (source.spec if isinstance(source, Chart) else source).min_distance
-    away = drawn.goals - drawn.starts
-    assert (np.hypot(*away.T) * source.cell_size >= least).all()
-    for row in JOBS:
-        assert not at(drawn, row, drawn.starts[row])
-        assert not at(drawn, row, drawn.goals[row])
-    assert len({tuple(s) for s in drawn.starts.tolist()}) > 20
-
-
-@pytest.mark.parametrize("name", SOURCES)
-def test_a_query_is_the_same_alone_as_among_others(name):
-    among, alone = (SOURCES[name].draw(8, np.asarray(jobs)) for jobs in (range(50), [31, 7]))
-    for field in ("starts", "goals"):
-        np.testing.assert_array_equal(getattr(among, field)[[31, 7]], getattr(alone, field))
-    if among.blocked.ndim == 3:
-        np.testing.assert_array_equal(among.blocked[[31, 7]], alone.blocked)
-    again = SOURCES[name].draw(9, np.asarray([31, 7]))
-    assert (again.starts != alone.starts).any()
-
-
-def test_connected_ends_are_joined_and_free_ones_need_not_be():
-    for ends, share in (("connected", 1.0), ("free", None)):
-        drawn = RandomQueries(SHAPE, 0.45, CELL, ends).draw(0, JOBS)
-        joined = []
-        for row in JOBS:
-            labels = ndimage.label(~drawn.blocked[row])[0]
-            (sx, sy), (gx, gy) = drawn.starts[row], drawn.goals[row]
-            joined.append(labels[sy, sx] == labels[gy, gx])
-        assert np.mean(joined) == share if share else 0.1 < np.mean(joined) < 0.9
-
-
-def test_harbours_lie_at_the_shore_of_the_largest_water():
-    drawn = pond_queries().draw(1, np.arange(300))
-    grid = pond().blocked
-    near = ndimage.binary_dilation(grid, np.ones((3, 3), bool)) & ~grid
-    wanted = {(x, y) for y, x in np.argwhere(near) if x < 12}
-    seen = {tuple(c) for c in np.concatenate([drawn.starts, drawn.goals]).tolist()}
-    assert seen == wanted
-
-
-def test_ends_of_bodies_share_their_body_and_both_bodies_occur():
-    drawn = SOURCES["bodies"].draw(1, np.arange(300))
-    east = drawn.starts[:, 0] > 12
-    np.testing.assert_array_equal(east, drawn.goals[:, 0] > 12)
-    assert 0 < east.mean() < 0.5
-
-
-def test_inflated_water_is_narrower_and_land_stays():
-    drawn = SOURCES["inflated"].draw(1, JOBS)
-    np.testing.assert_array_equal(drawn.land, pond().blocked)
-    np.testing.assert_array_equal(drawn.blocked, pond().inflated(50.0).blocked)
-    assert drawn.blocked.sum() > drawn.land.sum()
-
-
-def test_maps_are_those_of_random_maps_and_denser_ones_contain_them():
-    thin, thick = (RandomQueries(SHAPE, d).draw(5, JOBS).blocked for d in (0.1, 0.4))
-    np.testing.assert_array_equal(thin, random_maps(5, 40, SHAPE, 0.1))
-    assert (thick | ~thin).all()
-
-
-def test_starts_and_goals_are_uniform_and_do_not_follow_the_map():
-    open_water = RandomQueries((4, 4), 0.0).draw(2, np.arange(3200))
-    for cells in (open_water.starts, open_water.goals):
-        counts = np.bincount(cells[:, 1] * 4 + cells[:, 0], minlength=16)
-        assert chisquare(counts).pvalue > 1e-4
-    assert (open_water.starts != open_water.goals).any(axis=1).all()
-
-
-def test_a_least_distance_of_whole_cells_is_kept_despite_rounding():
-    drawn = RandomQueries((1, 4), 0.0, 0.1, "free", 0.3).draw(0, JOBS)
-    assert {tuple(sorted(p)) for p in zip(drawn.starts[:, 0], drawn.goals[:, 0], strict=True)} == {
-        (0, 3)
-    }
+@pytest.fixture(scope="module", autouse=True)
+def one_device():
+    """As in a study; every device would compile for itself."""
+    with jax.default_device(jax.local_devices()[0]):
+        yield
 
 
 def route_study(**changes):
@@ -193,7 +94,7 @@ def test_lengths_and_endings_agree_with_dijkstra(spec, rows):
 def test_methods_keep_what_they_promise(rows):
     found = {m: r["status"] == Status.FOUND for m, r in rows.items()}
     there = found["astar"]
-    for name in ("astar", "manhattan", "turning"):
+    for name in ("astar", "turning"):
         assert (rows[name]["ratio"][there] >= 1.0 - 1e-9).all()
         assert (rows["turning"]["cost"] <= rows[name]["cost"] + 1e-3)[there].all()
         assert rows[name]["min_clearance"][there] == pytest.approx(CELL / 2)
@@ -245,7 +146,7 @@ def test_a_route_is_the_same_alone_as_among_others(spec, rows, method):
 
 def test_a_bound_on_expansions_ends_a_search_and_spoils_no_ratio(spec):
     bounded = parse_spec(route_study(search={"max_expansions": 12}))
-    run = bounded.workload.run(bounded, bounded.conditions[0], "manhattan", JOBS)
+    run = bounded.workload.run(bounded, bounded.conditions[0], "astar", JOBS)
     gave_up = run["status"] == Status.OUT_OF_BUDGET
     assert 0 < gave_up.sum() < len(JOBS)
     assert np.isfinite(run["ratio"][run["status"] == Status.FOUND]).all()
@@ -320,79 +221,6 @@ def test_shipped_studies_can_be_read(name, request):
     assert spec.name == name
     assert spec.baseline == "astar"
     assert all(c.settings["search"]["turn_cost"] == 0.5 for c in spec.conditions)
-
-
-SCEN = """version 1
-0\tmaps/room.map\t6\t5\t0\t0\t5\t0\t5
-1\tmaps/room.map\t6\t5\t0\t0\t1\t1\t1.41421356
-2\tmaps/room.map\t6\t5\t2\t2\t2\t2\t0
-3\tmaps/room.map\t6\t5\t0\t0\t0\t4\t8
-"""
-
-
-@pytest.fixture
-def benchmark(tmp_path):
-    blocked = np.zeros((5, 6), bool)
-    save_map(GridMap(blocked), tmp_path / "room.map")
-    (tmp_path / "room.map.scen").write_text(SCEN)
-    return tmp_path
-
-
-def scen_study(**changes):
-    maps = {"source": "movingai", "scen": "room.map.scen", **changes.pop("maps", {})}
-    return route_study(**{"episodes": 4, "maps": maps, "smoothing": {}, **changes})
-
-
-def test_a_scenario_file_gives_every_query_once_with_its_optimum(benchmark):
-    spec = parse_spec(scen_study(maps={"cell_size": 2.0}), folder=benchmark)
-    drawn = spec.conditions[0].payload.source.draw(4, np.arange(4))
-    assert sorted(drawn.published.tolist()) == [0.0, 1.41421356, 5.0, 8.0]
-    assert drawn.starts.tolist() != [[0, 0], [0, 0], [2, 2], [0, 0]]
-    row = spec.workload.run(spec, spec.conditions[0], "astar", np.arange(4))
-    ratio = dict(zip(drawn.published.tolist(), row["ratio"].tolist(), strict=True))
-    # The last line is wrong on purpose: the route is 4 cells long.
-    assert ratio == pytest.approx({0.0: 1.0, 1.41421356: 1.0, 5.0: 1.0, 8.0: 0.5})
-    assert set(row["path_length"].round(6)) == {0.0, 2.828427, 10.0, 8.0}
-
-
-@pytest.mark.parametrize("method", ["smoothed", "bspline"])
-def test_a_route_from_a_cell_to_itself_has_no_length(benchmark, method):
-    spec = parse_spec(scen_study(), folder=benchmark)
-    row = spec.workload.run(spec, spec.conditions[0], method, np.arange(4))
-    nowhere = spec.conditions[0].payload.source.draw(4, np.arange(4)).published == 0.0
-    assert row["path_length"][nowhere] == [0.0]
-    assert row["ratio"][nowhere] == [1.0]
-    assert (row["status"] == Status.FOUND).all()
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("version 1", "bucket", "no 'version' in line 1"),
-        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0", "line 2 has 8 fields"),
-        ("6\t5\t0\t0\t5\t0\t5", "7\t5\t0\t0\t5\t0\t5", "line 2 is for a map of 7 x 5 cells"),
-        (
-            "6\t5\t0\t0\t5\t0\t5",
-            "6\t5\t0\t0\t6\t0\t5",
-            r"line 2: the goal \[6, 0\] is no free cell",
-        ),
-        ("6\t5\t2\t2\t2\t2\t0", "6\t5\t2\t-1\t2\t2\t0", r"line 4: the start \[2, -1\]"),
-        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0\tfar", "line 2 is no query"),
-        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0\tnan", "line 2: the length is nan"),
-        ("room.map", "hall.map", r"hall\.map: no such file"),
-    ],
-)
-def test_bad_scenario_files_are_refused(benchmark, old, new, words):
-    path = benchmark / "room.map.scen"
-    path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(BadInputError, match=words) as caught:
-        parse_spec(scen_study(), folder=benchmark, where="study.toml")
-    assert str(caught.value).startswith("study.toml")
-
-
-def test_more_episodes_than_queries_are_refused(benchmark):
-    with pytest.raises(BadInputError, match="'episodes' must be at most 4"):
-        parse_spec(scen_study(episodes=5), folder=benchmark)
 
 
 @pytest.mark.parametrize(

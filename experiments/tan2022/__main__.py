@@ -4,10 +4,8 @@ Run it with ``usvjax reproduce tan2022`` or ``python -m experiments.tan2022``; `
 the options.
 """
 
-import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import monotonic
@@ -15,10 +13,9 @@ from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 import usvjax as uj
+from experiments.files import progress, results_folder, write_json, write_text
 from experiments.tan2022.episodes import Plan, Results, Run, sail, total
 from experiments.tan2022.figures import cap_figure, draw_maps, draw_paired
 from experiments.tan2022.paired import Comparison, compare, sensitivities
@@ -44,13 +41,10 @@ from experiments.tan2022.tables import (
     three_maps,
     twenty_maps,
 )
-from experiments.tan2022.verdicts import Verdict, evidence, judge
+from experiments.tan2022.verdicts import evidence, judge
+from experiments.verdicts import Verdict, console_table
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.plots import save
-from usvjax.plots.style import write_atomically
-
-RESULTS = Path(__file__).parent.parent / "results" / "tan2022"
-QUICK_RESULTS = Path("runs") / "tan2022_quick"
 
 MAIN = (PRESET, DEMO, DEMO_START)
 """Readings that are run on all paired maps."""
@@ -128,22 +122,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     options = tyro.cli(Options, args=argv, prog="usvjax reproduce tan2022")
     try:
-        job, folder = _job(options), _folder(options)
+        job = _job(options)
+        folder = results_folder("tan2022", options.out, options.quick)
     except (BadInputError, BadTypeError) as error:
         print(f"tan2022: {error}", file=sys.stderr)
         return 2
     console = Console(highlight=False)
     episodes, begun = total(job.runs()), monotonic()
-    with _progress(episodes) as advance:
+    with progress("episodes", episodes) as advance:
         results = sail(job.runs(), advance)
     took = monotonic() - begun
     found, verdicts = _found(job, results)
     files = [
-        _write(folder / "README.md", markdown(found)),
-        _write(folder / "results.json", json.dumps(_rounded(found), indent=1) + "\n"),
+        write_text(folder / "README.md", markdown(found)),
+        write_json(folder / "results.json", found),
         *_figures(job, results, found, folder / "figures"),
     ]
-    console.print(_summary(verdicts))
+    console.print(console_table("Tan et al. 2022", verdicts))
     console.print(f"{episodes:,} episodes in {took:,.0f} s")
     for file in files:
         console.print(f"Written  {file}", soft_wrap=True, markup=False)
@@ -168,32 +163,6 @@ def _job(options: Options) -> Job:
         ranked=Plan(2023, 100 if quick else 300, few_maps=0),
         combinations=[PRESET, DEMO] if quick else combinations(),
     )
-
-
-def _folder(options: Options) -> Path:
-    """Make the folder for results, before anything is computed.
-
-    Raises:
-        BadInputError: it cannot be written.
-    """
-    folder = options.out or (QUICK_RESULTS if options.quick else RESULTS)
-    probe = folder / ".writable"
-    write_atomically(probe, lambda path: path.write_text(""))
-    probe.unlink()
-    return folder
-
-
-@contextmanager
-def _progress(episodes: int) -> Iterator[Callable[[int], None]]:
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("episodes", total=episodes)
-        yield lambda done: progress.advance(task, done)
 
 
 def _found(job: Job, results: Results) -> tuple[dict[str, Any], list[Verdict]]:
@@ -267,28 +236,6 @@ def _figures(job: Job, results: Results, found: dict[str, Any], folder: Path) ->
     files += draw_paired(COMPARISONS, results, job.paired, folder)
     figure = cap_figure(found["sensitivities"], CAPS)
     return [*files, save(figure, folder / "cap.png", dpi=130)]
-
-
-def _rounded(value: Any) -> Any:
-    """Keep six significant digits, and None for what is not a number."""
-    if isinstance(value, float):
-        return float(f"{value:.6g}") if abs(value) < float("inf") else None
-    if isinstance(value, dict):
-        return {str(key): _rounded(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_rounded(item) for item in value]
-    return value
-
-
-def _write(file: Path, text: str) -> Path:
-    return write_atomically(file, lambda path: path.write_text(text, encoding="utf-8"))
-
-
-def _summary(verdicts: Sequence[Verdict]) -> Table:
-    table = Table("Tan et al. 2022 says", "verdict", title="What reproduces", title_justify="left")
-    for verdict in verdicts:
-        table.add_row(verdict.claim, verdict.verdict)
-    return table
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from experiments.tan2022.markdown import ENDINGS, WORDS, grid, interval
+from experiments.markdown import grid, interval
+from experiments.tan2022.markdown import ENDINGS, WORDS
 from experiments.tan2022.published import METHODS, METRICS, RADII, TABLE4
 from experiments.tan2022.ranking import LEAST_COMMON
 

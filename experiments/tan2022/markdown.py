@@ -1,7 +1,6 @@
-"""Pieces of Markdown: tables, intervals, and what things are called."""
+"""What the report on Tan et al. 2022 calls things, and one value per radius."""
 
 from collections.abc import Sequence
-from typing import Any
 
 UNITS = {"time": "s", "path_length": "m", "mean_speed": "m/s"}
 WORDS = {"time": "Time", "path_length": "Path length", "mean_speed": "Mean speed"}
@@ -11,42 +10,6 @@ ENDINGS = {
     "STUCK": "Stuck",
     "TIMED_OUT": "Timed out",
 }
-
-
-def bullets(lines: Sequence[str]) -> str:
-    """Lay out lines as a list."""
-    return "\n".join(f"- {line}" for line in lines)
-
-
-def grid(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Lay out rows as a table."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def interval(
-    figure: dict[str, Any], scale: float = 1.0, digits: int = 2, sign: bool = False
-) -> str:
-    """Write a figure with its interval; "-" where the episodes do not determine it."""
-    if figure["value"] is None:
-        return "-"
-    plus = "+" if sign else ""
-    text = f"{scale * figure['value']:{plus}.{digits}f}"
-    if figure["low"] is None:
-        return text
-    return f"{text} [{scale * figure['low']:.{digits}f}, {scale * figure['high']:.{digits}f}]"
-
-
-def ends(figure: dict[str, Any], digits: int = 2) -> str:
-    """Write an interval alone."""
-    if figure["low"] is None:
-        return "-"
-    return f"[{figure['low']:.{digits}f}, {figure['high']:.{digits}f}]"
-
-
-def share(value: float | None, digits: int = 1) -> str:
-    """Write a change as a signed percentage."""
-    return "-" if value is None else f"{100 * value:+.{digits}f} %"
 
 
 def radii(values: Sequence[float | None], digits: int = 1, sign: bool = False) -> str:

@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from experiments.markdown import bullets, ends, grid, interval, share
 from experiments.tan2022.appendix import arithmetic, ranking, sensitivities
-from experiments.tan2022.markdown import ENDINGS, UNITS, WORDS, bullets, ends, grid, interval, share
+from experiments.tan2022.markdown import ENDINGS, UNITS, WORDS
 from experiments.tan2022.published import (
     METHODS,
     METRICS,
@@ -14,6 +15,7 @@ from experiments.tan2022.published import (
     PublishedTable,
 )
 from experiments.tan2022.summary import summary, why
+from experiments.verdicts import verdict_table
 from usvjax.study.report import p_value
 
 
@@ -48,16 +50,6 @@ def markdown(found: dict[str, Any]) -> str:
 
 
 def _verdicts(found: dict[str, Any]) -> str:
-    labels = list(found["verdicts"][0]["found"])
-    rows = [
-        [
-            verdict["claim"],
-            verdict["published"],
-            f"**{verdict['verdict']}**",
-            *(_finding(verdict["found"][label]) for label in labels),
-        ]
-        for verdict in found["verdicts"]
-    ]
     note = (
         "Values are for r = 0.2, 0.5 and 0.7 m. A table holds when 95 % of its values lie "
         "where ours do: for Tables 2 and 3 between the 2.5 and 97.5 % quantiles of the maps on "
@@ -66,12 +58,7 @@ def _verdicts(found: dict[str, Any]) -> str:
         "readings that both methods share; the hybrid stands beside them. Radii with fewer than "
         "20 common successes are left out."
     )
-    return grid(["The paper", "Published", "Verdict", *labels], rows) + "\n\n" + note
-
-
-def _finding(finding: dict[str, Any]) -> str:
-    word = {True: "yes", False: "no", None: "-"}[finding["holds"]]
-    return f"{word}: {finding['numbers']}"
+    return verdict_table(found["verdicts"]) + "\n\n" + note
 
 
 def _readings(found: dict[str, Any]) -> list[str]:

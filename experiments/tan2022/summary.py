@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from experiments.tan2022.markdown import bullets, grid, radii
+from experiments.markdown import bullets, grid
+from experiments.tan2022.markdown import radii
 from experiments.tan2022.published import METHODS, METRICS, RADII, TABLE4, TABLE4_MAPS
 from experiments.tan2022.readings import DEMO, DEMO_START, PRESET
 

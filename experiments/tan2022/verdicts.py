@@ -20,40 +20,10 @@ from experiments.tan2022.published import (
 from experiments.tan2022.ranking import common_tables, of_twenty
 from experiments.tan2022.readings import CASES, ONE_MAP_CASES, Case
 from experiments.tan2022.tables import per_map_change
+from experiments.verdicts import Finding, Verdict, weigh
 
 ALPHA = 0.05
 _HALF_UNIT = 0.005
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One claim under one comparison.
-
-    Attributes:
-        holds: None where too few maps tell.
-        numbers: what was found, in a few words.
-    """
-
-    holds: bool | None
-    numbers: str
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """One table or claim of the paper.
-
-    Attributes:
-        claim: what the paper says.
-        published: its numbers.
-        found: label of a comparison to what was found.
-        verdict: "reproduces" (under every reading that both methods share), "does not
-            reproduce" (under none), "depends on the reading", or "too few maps".
-    """
-
-    claim: str
-    published: str
-    found: dict[str, Finding]
-    verdict: str
 
 
 @dataclass(frozen=True)
@@ -137,18 +107,11 @@ def _verdict(
 ) -> Verdict:
     findings = {e.comparison.label: decide(e) for e in found}
     shared = [
-        findings[e.comparison.label].holds
+        findings[e.comparison.label]
         for e in found
         if e.comparison.traditional == e.comparison.improved
     ]
-    known = [holds for holds in shared if holds is not None]
-    if not known:
-        word = "too few maps"
-    elif all(known):
-        word = "reproduces"
-    else:
-        word = "depends on the reading" if any(known) else "does not reproduce"
-    return Verdict(claim, published, findings, word)
+    return Verdict(claim, published, findings, weigh(shared))
 
 
 def _single_maps(table: PublishedTable, ours: Sequence[np.ndarray]) -> Finding:

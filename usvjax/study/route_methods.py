@@ -10,6 +10,7 @@ import numpy as np
 
 from usvjax.astar import MOST_TURN_COST, AstarResult, astar
 from usvjax.errors import BadInputError
+from usvjax.path_blocks import padded_points
 from usvjax.path_metrics import path_metrics
 from usvjax.study.route_finish import FINISHES, Sailing
 from usvjax.study.route_queries import Queries
@@ -248,7 +249,8 @@ def finish_routes(
         safety_range=smoothing.safety_range,
         repair=smoothing.repair,
     )
-    line = FINISHES[METHODS[method].finish](found.path, found.path_length, sailing)
+    cells = padded_points(found.path, 2)
+    line = FINISHES[METHODS[method].finish](cells, found.path_length, sailing)
     status = found.status.copy()
     clearance = path_metrics(
         line.points,

@@ -1,0 +1,71 @@
+"""Where results go and how they are written, and progress on the way there."""
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from usvjax.plots.style import write_atomically
+
+RESULTS = Path(__file__).parent / "results"
+QUICK_RESULTS = Path("runs")
+
+
+def results_folder(paper: str, out: Path | None, quick: bool) -> Path:
+    """Make the folder for results, before anything is computed.
+
+    Args:
+        paper: its name.
+        out: the folder that was asked for, if any.
+        quick: whether this is but a quick look, which leaves recorded results alone.
+
+    Returns:
+        `out`, else runs/PAPER_quick, else experiments/results/PAPER in the checkout.
+
+    Raises:
+        BadInputError: it cannot be written.
+    """
+    folder = out or (QUICK_RESULTS / f"{paper}_quick" if quick else RESULTS / paper)
+    probe = folder / ".writable"
+    write_atomically(probe, lambda path: path.write_text(""))
+    probe.unlink()
+    return folder
+
+
+@contextmanager
+def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Show a bar on stderr; yields what to call with how many were done since the last time."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task(what, total=total)
+        yield lambda done: bar.advance(task, done)
+
+
+def write_text(file: Path, text: str) -> Path:
+    """Write a text file, whole or not at all."""
+    return write_atomically(file, lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def write_json(file: Path, found: Any) -> Path:
+    """Write numbers to six significant digits."""
+    return write_text(file, json.dumps(rounded(found), indent=1) + "\n")
+
+
+def rounded(value: Any) -> Any:
+    """Keep six significant digits, and None for what is not a number."""
+    if isinstance(value, float):
+        return float(f"{value:.6g}") if abs(value) < float("inf") else None
+    if isinstance(value, dict):
+        return {str(key): rounded(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [rounded(item) for item in value]
+    return value

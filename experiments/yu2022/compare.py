@@ -1,0 +1,81 @@
+"""Each heuristic against the traditional one on the same maps."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from experiments.yu2022.plans import Sailed
+from experiments.yu2022.published import HEURISTICS, TRADITIONAL
+from usvjax.study.statistics import Estimate, averages, wilson
+from usvkernels.status import Status
+
+LEVEL = 0.95
+_ALIKE = 1e-6
+
+
+def first_plans(sailed: dict[str, Sailed], seed: int) -> dict[str, Any]:
+    """Compare the first plans on maps that do not change; a row per heuristic.
+
+    The lengths are ratios to the shortest, which the traditional heuristic finds: it never
+    overestimates.
+    """
+    reached = np.logical_and.reduce([own.reached for own in sailed.values()])
+    old = sailed[TRADITIONAL]
+    rows = {}
+    for heuristic in HEURISTICS:
+        own = sailed[heuristic]
+        excess = own.length[reached] / old.length[reached]
+        same_cells = (own.position == old.position).all(axis=(1, 2))[reached]
+        rows[heuristic] = {
+            "expanded": _mean(own.first[reached], seed),
+            "times": ratio(own.first[reached], old.first[reached]),
+            "length_ratio": _mean(excess, seed),
+            "longest_ratio": float(excess.max()) if len(excess) else None,
+            "same_length": _share(np.abs(excess - 1.0) < _ALIKE),
+            "same_cells": _share(same_cells),
+        }
+    return {"n": int(reached.sum()), "heuristics": rows}
+
+
+def episodes(sailed: dict[str, Sailed], seed: int) -> dict[str, Any]:
+    """Compare whole episodes on maps that change; a row per heuristic.
+
+    Expansions and lengths are compared where the vessel arrives with every heuristic.
+    """
+    reached = np.logical_and.reduce([own.reached for own in sailed.values()])
+    old = sailed[TRADITIONAL]
+    rows = {}
+    for heuristic in HEURISTICS:
+        own = sailed[heuristic]
+        rows[heuristic] = {
+            "reached": _share(own.reached),
+            "out_of_budget": _share(own.status == int(Status.OUT_OF_BUDGET)),
+            "expanded": _mean(own.expanded[reached], seed),
+            "times": ratio(own.expanded[reached], old.expanded[reached]),
+            "replanning": _mean((own.expanded - own.first)[reached], seed),
+            "length_ratio": _mean(own.length[reached] / old.length[reached], seed),
+        }
+    return {"n": int(reached.sum()), "heuristics": rows}
+
+
+def ratio(new: np.ndarray, old: np.ndarray) -> dict[str, Any]:
+    """Geometric mean of the ratio map by map, with its t interval."""
+    if not len(new):
+        return asdict(Estimate(None))
+    logs = np.log(new / old)
+    value = float(np.exp(logs.mean()))
+    if len(logs) < 2 or logs.max() == logs.min():
+        return asdict(Estimate(value))
+    half = stats.t.ppf(0.5 + LEVEL / 2, len(logs) - 1) * stats.sem(logs)
+    return asdict(Estimate(value, *(float(np.exp(logs.mean() + s * half)) for s in (-1, 1))))
+
+
+def _mean(values: np.ndarray, seed: int) -> dict[str, Any]:
+    found = averages(values[:, None].astype(float), LEVEL, [seed])[0].mean
+    return asdict(found)
+
+
+def _share(which: np.ndarray) -> dict[str, Any]:
+    return asdict(wilson(int(which.sum()), len(which), LEVEL))
