@@ -10,16 +10,14 @@ from types import SimpleNamespace
 import jax
 import numpy as np
 import pytest
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import dijkstra
+from corner_grids import grids, shortest
 
 ROOT = Path(__file__).parent.parent
 if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
-from experiments import parallel, textbook, verdicts  # noqa: E402
-from experiments.files import results_folder, rounded  # noqa: E402
-from experiments.textbook import LOWER_FIRST, STRAIGHTS_FIRST, UPPER_FIRST, Rules  # noqa: E402
+from experiments import textbook  # noqa: E402
+from experiments.textbook import Rules  # noqa: E402
 from experiments.wei2023 import __main__ as wei  # noqa: E402
 from experiments.wei2023 import paths as wei_paths  # noqa: E402
 from experiments.wei2023 import scenes as wei_scenes  # noqa: E402
@@ -38,39 +36,6 @@ from usvjax.replanning import dstar_lite  # noqa: E402
 from usvkernels.status import Status  # noqa: E402
 
 EXACT = Rules(1000, 1400, heuristic="octile")
-
-
-def grids(count, side, density, seed=0):
-    rng = np.random.default_rng(seed)
-    blocked = rng.random((count, side, side)) < density
-    blocked[:, 0, 0] = blocked[:, -1, -1] = False
-    return blocked
-
-
-def shortest(blocked, corner_cutting):
-    """Length from the first to the last cell by scipy, in thousandths; inf where cut off."""
-    height, width = blocked.shape
-    rows, columns, costs = [], [], []
-    for y in range(height):
-        for x in range(width):
-            for dx, dy in textbook.CLOCKWISE:
-                to = x + dx, y + dy
-                inside = 0 <= to[0] < width and 0 <= to[1] < height
-                if not inside or blocked[y, x] or blocked[to[1], to[0]]:
-                    continue
-                sides = dx and dy and (blocked[y, to[0]] or blocked[to[1], x])
-                if sides and not corner_cutting:
-                    continue
-                rows.append(y * width + x)
-                columns.append(to[1] * width + to[0])
-                costs.append(1400 if dx and dy else 1000)
-    graph = coo_matrix((costs, (rows, columns)), shape=(blocked.size, blocked.size)).tocsr()
-    return dijkstra(graph, indices=0)[-1]
-
-
-def cost_of(path):
-    straight, diagonal, turns = (int(n[0]) for n in zhang_runs.measure(np.array([path])))
-    return 1000 * straight + 1400 * diagonal, turns
 
 
 def searched(blocked, starts, goals, *, heuristic="octile", turn_cost=0.0, turn_mode="", **_):
@@ -96,56 +61,6 @@ def searched(blocked, starts, goals, *, heuristic="octile", turn_cost=0.0, turn_
         path_length=np.array([len(path) for path, _ in found], np.int32),
         expanded=np.array([len(cells) for _, cells in found], np.int32),
     )
-
-
-# --- the textbook search ----------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("corner_cutting", [False, True])
-@pytest.mark.parametrize("heuristic", ["octile", "euclidean"])
-def test_a_consistent_heuristic_gives_the_shortest_path(heuristic, corner_cutting):
-    rules = replace(EXACT, heuristic=heuristic, corner_cutting=corner_cutting)
-    for blocked in grids(25, 9, 0.35):
-        path, expanded = textbook.search(blocked, (0, 0), (8, 8), rules)
-        least = shortest(blocked, corner_cutting)
-        assert bool(path) == np.isfinite(least)
-        assert len(expanded) == len(set(expanded))
-        if path:
-            assert cost_of(path)[0] == least
-            assert path[0] == (0, 0)
-            assert path[-1] == expanded[-1] == (8, 8)
-
-
-def test_orders_are_permutations_and_named_for_what_comes_first():
-    for order in (LOWER_FIRST, UPPER_FIRST, STRAIGHTS_FIRST):
-        assert sorted(order) == list(range(8))
-    rows = {name: [textbook.CLOCKWISE[i][1] for i in order] for name, order in
-            (("lower", LOWER_FIRST), ("upper", UPPER_FIRST))}  # fmt: skip
-    assert rows["upper"] == sorted(rows["upper"])
-    assert rows["lower"] == sorted(rows["lower"], reverse=True)
-
-
-def test_ties_go_to_the_cell_that_entered_first_or_last():
-    # Along an open row both diagonal starts are equally good.
-    blocked = np.zeros((3, 6), bool)
-    blocked[1, 2] = True
-    for order, row in ((LOWER_FIRST, 2), (UPPER_FIRST, 0)):
-        rules = replace(EXACT, order=order, corner_cutting=True)
-        path, _ = textbook.search(blocked, (0, 1), (5, 1), rules)
-        assert {y for _, y in path} == {1, row}
-
-
-def test_a_turning_cost_of_almost_nothing_decides_ties_only():
-    better = 0
-    for blocked in grids(40, 12, 0.15, seed=3):
-        before, after = (
-            textbook.search(blocked, (0, 0), (11, 11), replace(EXACT, turn=turn, accumulate=True))
-            for turn in (0, 1)
-        )
-        if before[0]:
-            assert cost_of(after[0])[0] <= cost_of(before[0])[0]
-            better += cost_of(after[0])[1] < cost_of(before[0])[1]
-    assert better > 10
 
 
 # --- Zhang et al. 2019 ------------------------------------------------------------------------
@@ -440,34 +355,3 @@ def test_bad_options_are_refused_in_one_line(program, option, tmp_path, capsys):
     taken.write_text("mine")
     assert program.main(["--quick", "--out", str(taken / "results")]) == 2
     assert "cannot write" in capsys.readouterr().err
-
-
-# --- shared pieces ----------------------------------------------------------------------------
-
-
-def test_jobs_run_on_the_devices_they_are_told_to():
-    def job():
-        return jax.config.jax_default_device
-
-    assert parallel.on_own_devices([job] * 3) == [parallel.device_of(k) for k in range(3)]
-    with pytest.raises(ZeroDivisionError):
-        parallel.on_own_devices([lambda: 1 // 0])
-
-
-def test_numbers_are_rounded_and_recorded_results_are_left_alone(tmp_path, monkeypatch):
-    assert rounded({"a": [1 / 3, np.inf, 7], 1: (2.0,)}) == {"a": [0.333333, None, 7], "1": [2.0]}
-    monkeypatch.chdir(tmp_path)
-    assert results_folder("yu2022", None, quick=True) == Path("runs/yu2022_quick")
-    assert results_folder("yu2022", tmp_path / "here", quick=False) == tmp_path / "here"
-
-
-def test_a_verdict_weighs_the_findings_that_there_are():
-    yes, no, open_ = (verdicts.Finding(holds, "") for holds in (True, False, None))
-    assert verdicts.weigh([yes, open_]) == "reproduces"
-    assert verdicts.weigh([yes, no]) == "depends on the reading"
-    assert verdicts.weigh([no, no]) == "does not reproduce"
-    assert verdicts.weigh([open_]) == "too few maps"
-    text = verdicts.verdict_table(
-        [{"claim": "c", "published": "p", "verdict": "v", "found": {"a": vars(yes)}}]
-    )
-    assert text.splitlines()[-1] == "| c | p | **v** | yes:  |"

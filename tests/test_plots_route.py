@@ -1,5 +1,6 @@
 """Figures of routes: on charts, curvature, expanded cells, replanning, and those of a run."""
 
+import io
 import math
 
 import jax
@@ -9,15 +10,18 @@ import polars as pl
 import pytest
 from figure_checks import assert_inside, assert_labelled, legend_texts, texts_of
 from PIL import Image
+from rich.console import Console
 
 from usvjax import plots
 from usvjax.astar import astar
+from usvjax.cli import main
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, random_maps, save_map
 from usvjax.plots import style
-from usvjax.plots.route import busiest, view_around
+from usvjax.plots.route import busiest, closeup_width, view_around
 from usvjax.replanning import dstar_lite
 from usvjax.study import load_run, load_spec, run_study
+from usvjax.study.report import terminal
 from usvkernels.status import Status
 
 SIZE = 20.0
@@ -71,6 +75,15 @@ def test_a_close_up_frames_the_turns_and_shows_the_turning_circle():
     (frame,) = whole.patches
     assert frame.get_width() == pytest.approx(120.0)
     assert_inside(fig)
+
+
+def test_a_close_up_is_left_out_where_it_would_be_most_of_the_chart():
+    wide = GridMap(np.zeros((90, 90), bool), SIZE)
+    diagonal = [np.array([[100.0, 100.0], [1700.0, 1700.0]])]
+    assert closeup_width(wide, diagonal, None) == 24 * SIZE
+    assert closeup_width(wide, diagonal, 40.0) == 640.0
+    assert closeup_width(wide, diagonal, 80.0) is None
+    assert closeup_width(chart(), [ROUTE], None) is None
 
 
 def test_the_busiest_part_is_where_the_line_turns_most():
@@ -272,6 +285,20 @@ def test_a_run_gives_its_figures(run):
     names = ["methods.png", "routes-c0.png", "curvature-c0.png", "chart-c0.png"]
     assert [path.name for path in written] == names
     assert all(Image.open(path).size[0] > 1000 for path in written)
+
+
+def test_a_run_of_routes_has_no_film(run, capsys):
+    assert main(["animate", str(run)]) == 2
+    assert "is of kind 'route'; only 'dwa' can be replayed" in capsys.readouterr().err
+
+
+def test_the_tables_of_a_run_fit_80_columns(run):
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(terminal(load_run(run).summary()))
+    shown = console.export_text()
+    assert "Unreachable" in shown
+    assert "Out of budget" not in shown
+    assert "…" not in shown
 
 
 def test_a_run_on_another_map_is_not_drawn(run, tmp_path):

@@ -61,7 +61,7 @@ COMMANDS = {
     ),
     "route": Command(
         "find a route between two places on a map",
-        "usvjax route hongze-250 --from 289,320 --to 45,88 --turning-radius 500 --plot route.png",
+        "usvjax route hongze-250 --from 289,320 --to 45,88 --plot route.png",
         "usvjax.cli.route",
         "route",
     ),

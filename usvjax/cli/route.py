@@ -223,20 +223,19 @@ def _write_csv(path: Path, grid: GridMap, found: "Routes") -> None:
 def _draw(path: Path, query: _Query, method: str, found: "Routes") -> None:
     """Draw the route, below it that of A* where the method does something to it."""
     from usvjax.plots import style
-    from usvjax.plots.route import plot_routes
+    from usvjax.plots.route import closeup_width, plot_routes
 
     lines = {method: found.points[0, : found.counts[0]]}
     if method != "astar":
         plain, _ = query.solve("astar")
         lines = {"astar": plain.points[0, : plain.counts[0]], **lines}
-    size = query.grid.cell_size
+    lines = {name: line for name, line in lines.items() if len(line) > 1}
     radius = query.smoothing.turning_radius
-    width = max(16.0 * (radius or 0.0), 24.0 * size)
-    wide_enough = width < 0.7 * size * max(query.grid.shape)
+    closeup = closeup_width(query.grid, list(lines.values()), radius)
     figure = plot_routes(
         query.grid,
-        {name: line for name, line in lines.items() if len(line) > 1},
-        closeup=width if wide_enough and method != "astar" else None,
+        lines,
+        closeup=None if method == "astar" else closeup,
         turning_radius=radius,
         title=f"{query.grid.name}: {query.start} to {query.goal}".lstrip(": "),
     )

@@ -21,6 +21,9 @@ FloatArray = NDArray[np.float64]
 # The part of a chart about some routes: room around them, and its least shape.
 _MARGIN = 0.08
 _LEAST_SHAPE = 0.35
+# Width of a close-up: so many turning radii, or cells where these are larger.
+_CLOSEUP_RADII = 16.0
+_CLOSEUP_CELLS = 24.0
 # Places that a close-up may be about.
 _MOST_PLACES = 1000
 
@@ -120,6 +123,24 @@ def _draw_circle(ax: Axes, radius: float) -> Line2D:
     ring = Circle((west + 1.3 * radius, south + 1.3 * radius), radius, fill=False, zorder=4, **look)
     ax.add_patch(ring)
     return Line2D([], [], label=f"turning circle, R = {radius:g} m", **look)
+
+
+def closeup_width(
+    grid_map: GridMap, lines: Sequence[FloatArray], turning_radius: float | None
+) -> float | None:
+    """Choose how wide a close-up of some routes is.
+
+    Args:
+        grid_map: The map.
+        lines: float[P, 2] each, m.
+        turning_radius: R, m, or None.
+
+    Returns:
+        m, so that cells and turning circle show; None where that is most of the chart anyway.
+    """
+    width = max(_CLOSEUP_RADII * (turning_radius or 0.0), _CLOSEUP_CELLS * grid_map.cell_size)
+    west, east, south, north = view_around(grid_map, lines)
+    return width if width <= 0.6 * min(east - west, north - south) else None
 
 
 def busiest(line: FloatArray, width: float) -> base_map.View:

@@ -17,7 +17,7 @@ from usvjax.plots import style
 from usvjax.plots.curvature import Bends, bends_of, plot_curvature
 from usvjax.plots.distributions import both_reached, draw_boxes
 from usvjax.plots.replays import check_same, payload_of, rows_of
-from usvjax.plots.route import length_words, plot_route_chart, plot_routes
+from usvjax.plots.route import closeup_width, length_words, plot_route_chart, plot_routes
 from usvjax.study import Run
 from usvjax.study.looks import look_level, look_schedule
 from usvjax.study.route_methods import METHODS, Routes
@@ -36,10 +36,6 @@ _PANELS = (
 )
 # Methods whose curvature is drawn, besides the first.
 _BENT = ("bspline", "smoothed")
-
-# Width of a close-up: so many turning radii, or cells where these are larger.
-_CLOSEUP_RADII = 16.0
-_CLOSEUP_CELLS = 24.0
 
 
 def route_figures(
@@ -241,13 +237,11 @@ def _route_figure(
     }
     radius = payload.turning_radius
     arcs = any(METHODS[m].finish == "arcs" for m in lines)
-    closeup = max(_CLOSEUP_RADII * radius, _CLOSEUP_CELLS * grid.cell_size)
-    west, east, south, north = grid.extent
     return plot_routes(
         grid,
         lines,
         labels=labels,
-        closeup=closeup if closeup < 0.7 * max(east - west, north - south) else None,
+        closeup=closeup_width(grid, list(lines.values()), radius),
         turning_radius=radius if arcs else None,
         title=title,
     )

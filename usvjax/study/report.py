@@ -8,6 +8,9 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+# Letters of the failures' names that 80 columns hold; beyond, those that never happened go.
+_ROOM_FOR_FAILURES = 24
+
 _AVERAGES = {"mean": "Mean", "median": "Median", "iqm": "Interquartile mean"}
 
 
@@ -137,6 +140,8 @@ def _outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
 
 def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     success, *failures = _endings(summary)
+    if sum(map(len, failures)) > _ROOM_FOR_FAILURES:
+        failures = [name for name in failures if _happened(summary, name)]
     rows = []
     for condition in summary["conditions"]:
         for place, method in enumerate(condition["methods"]):
@@ -152,6 +157,15 @@ def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]
             )
         rows.append([])
     return ["Condition", "Method", "Episodes", *map(_words, (success, *failures))], rows
+
+
+def _happened(summary: dict[str, Any], ending: str) -> bool:
+    """Whether any episode of the study ended so."""
+    return any(
+        method["statuses"][ending]["count"]
+        for condition in summary["conditions"]
+        for method in condition["methods"]
+    )
 
 
 def _own_averages(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
