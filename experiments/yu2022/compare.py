@@ -4,14 +4,13 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
+from experiments.estimates import LEVEL, ratio, share
 from experiments.yu2022.plans import Sailed
 from experiments.yu2022.published import HEURISTICS, TRADITIONAL
-from usvjax.study.statistics import Estimate, averages, wilson
+from usvjax.study.statistics import averages
 from usvkernels.status import Status
 
-LEVEL = 0.95
 _ALIKE = 1e-6
 
 
@@ -33,8 +32,8 @@ def first_plans(sailed: dict[str, Sailed], seed: int) -> dict[str, Any]:
             "times": ratio(own.first[reached], old.first[reached]),
             "length_ratio": _mean(excess, seed),
             "longest_ratio": float(excess.max()) if len(excess) else None,
-            "same_length": _share(np.abs(excess - 1.0) < _ALIKE),
-            "same_cells": _share(same_cells),
+            "same_length": share(np.abs(excess - 1.0) < _ALIKE),
+            "same_cells": share(same_cells),
         }
     return {"n": int(reached.sum()), "heuristics": rows}
 
@@ -50,8 +49,8 @@ def episodes(sailed: dict[str, Sailed], seed: int) -> dict[str, Any]:
     for heuristic in HEURISTICS:
         own = sailed[heuristic]
         rows[heuristic] = {
-            "reached": _share(own.reached),
-            "out_of_budget": _share(own.status == int(Status.OUT_OF_BUDGET)),
+            "reached": share(own.reached),
+            "out_of_budget": share(own.status == int(Status.OUT_OF_BUDGET)),
             "expanded": _mean(own.expanded[reached], seed),
             "times": ratio(own.expanded[reached], old.expanded[reached]),
             "replanning": _mean((own.expanded - own.first)[reached], seed),
@@ -60,22 +59,6 @@ def episodes(sailed: dict[str, Sailed], seed: int) -> dict[str, Any]:
     return {"n": int(reached.sum()), "heuristics": rows}
 
 
-def ratio(new: np.ndarray, old: np.ndarray) -> dict[str, Any]:
-    """Geometric mean of the ratio map by map, with its t interval."""
-    if not len(new):
-        return asdict(Estimate(None))
-    logs = np.log(new / old)
-    value = float(np.exp(logs.mean()))
-    if len(logs) < 2 or logs.max() == logs.min():
-        return asdict(Estimate(value))
-    half = stats.t.ppf(0.5 + LEVEL / 2, len(logs) - 1) * stats.sem(logs)
-    return asdict(Estimate(value, *(float(np.exp(logs.mean() + s * half)) for s in (-1, 1))))
-
-
 def _mean(values: np.ndarray, seed: int) -> dict[str, Any]:
-    found = averages(values[:, None].astype(float), LEVEL, [seed])[0].mean
-    return asdict(found)
-
-
-def _share(which: np.ndarray) -> dict[str, Any]:
-    return asdict(wilson(int(which.sum()), len(which), LEVEL))
+    """Mean with its bootstrap interval: expansions are skewed."""
+    return asdict(averages(values[:, None].astype(float), LEVEL, [seed])[0].mean)

@@ -1,15 +1,13 @@
 """Each method against the traditional one on the same maps, and on maps like the paper's."""
 
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from experiments.estimates import mean, share, spread
 from experiments.zhang2019.published import IMPROVED, TRADITIONAL
 from experiments.zhang2019.runs import EXACT_DIAGONAL, Paths
-from usvjax.study.statistics import paired_difference, wilson
 
-LEVEL = 0.95
 WINDOW = 1.0
 """Squares by which length and turning cost of the traditional path may differ from the paper's
 on a map that counts as one like it."""
@@ -37,25 +35,18 @@ def against(new: Paths, old: Paths) -> dict[str, Any]:
     return {
         "n": len(change),
         "metrics": {name: _compared(*pair) for name, pair in columns.items()},
-        "better": _share(change < -_ALIKE),
-        "equal": _share(np.abs(change) <= _ALIKE),
-        "worse": _share(change > _ALIKE),
+        "better": share(change < -_ALIKE),
+        "equal": share(np.abs(change) <= _ALIKE),
+        "worse": share(change > _ALIKE),
     }
 
 
 def _compared(new: np.ndarray, old: np.ndarray) -> dict[str, Any]:
-    found = paired_difference(new, old, LEVEL)
     return {
         "mean": float(new.mean()) if len(new) else None,
         "traditional": float(old.mean()) if len(old) else None,
-        "difference": asdict(found.mean),
-        "relative": found.relative,
-        "p_wilcoxon": found.p_wilcoxon,
+        "difference": mean(new - old),
     }
-
-
-def _share(which: np.ndarray) -> dict[str, Any]:
-    return asdict(wilson(int(which.sum()), len(which), LEVEL))
 
 
 def excess(paths: Paths, exact: Paths) -> dict[str, Any]:
@@ -66,14 +57,14 @@ def excess(paths: Paths, exact: Paths) -> dict[str, Any]:
     """
     both = paths.found & exact.found
     if not both.any():
-        return {"n": 0, "mean": None, "largest": None, "optimal": _share(both[:0])}
+        return {"n": 0, "mean": None, "largest": None, "optimal": share(both[:0])}
     best = exact.some(both).total(EXACT_DIAGONAL)
     ratio = paths.some(both).total(EXACT_DIAGONAL) / best
     return {
         "n": int(both.sum()),
         "mean": float(ratio.mean()),
         "largest": float(ratio.max()),
-        "optimal": _share(ratio < 1.0 + _ALIKE),
+        "optimal": share(ratio < 1.0 + _ALIKE),
     }
 
 
@@ -125,9 +116,9 @@ def on_maps_alike(new: Paths, old: Paths) -> dict[str, Any]:
         "n": int(chosen.sum()),
         "same": int(exactly.sum()),
         "hits": int(hits.sum()),
-        "spread": {name: _spread(values) for name, values in columns.items()},
+        "spread": {name: spread(values) for name, values in columns.items()},
         "saved": float(saved.mean()) if len(saved) else None,
-        "as_published": _share(saved >= published - _ALIKE),
+        "as_published": share(saved >= published - _ALIKE),
     }
 
 
@@ -135,14 +126,7 @@ def spread_of_all(old: Paths) -> dict[str, Any]:
     """Mean and quantiles of what the traditional paths cost, on all maps."""
     some = old.some(old.found)
     columns = {"total": some.total(), "turning": some.turning, "length": some.length()}
-    return {"n": len(some.found), **{name: _spread(values) for name, values in columns.items()}}
-
-
-def _spread(values: np.ndarray) -> dict[str, float | None]:
-    if not len(values):
-        return {"value": None, "low": None, "high": None}
-    low, high = np.quantile(values, [0.025, 0.975])
-    return {"value": float(values.mean()), "low": float(low), "high": float(high)}
+    return {"n": len(some.found), **{name: spread(values) for name, values in columns.items()}}
 
 
 def slowdown(new: list[float], old: list[float]) -> dict[str, Any]:

@@ -1,0 +1,41 @@
+"""Figures with intervals, as reports write them."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from usvjax.study.statistics import Estimate, wilson
+
+LEVEL = 0.95
+
+
+def mean(values: np.ndarray) -> dict[str, Any]:
+    """Mean with its t interval; none where there are fewer than two values, or all equal."""
+    if not len(values):
+        return asdict(Estimate(None))
+    value = float(values.mean())
+    if len(values) < 2 or values.max() == values.min():
+        return asdict(Estimate(value))
+    half = float(stats.t.ppf(0.5 + LEVEL / 2, len(values) - 1) * stats.sem(values))
+    return asdict(Estimate(value, value - half, value + half))
+
+
+def ratio(new: np.ndarray, old: np.ndarray) -> dict[str, Any]:
+    """Geometric mean of ratios, pair by pair, with its t interval."""
+    found = mean(np.log(new / old))
+    return {key: None if log is None else float(np.exp(log)) for key, log in found.items()}
+
+
+def share(which: np.ndarray) -> dict[str, Any]:
+    """Share of the true ones with Wilson's interval."""
+    return asdict(wilson(int(which.sum()), len(which), LEVEL))
+
+
+def spread(values: np.ndarray) -> dict[str, float | None]:
+    """Mean, 2.5 and 97.5 % quantiles of values."""
+    if not len(values):
+        return {"value": None, "low": None, "high": None}
+    low, high = np.quantile(values, [0.025, 0.975])
+    return {"value": float(values.mean()), "low": float(low), "high": float(high)}
