@@ -61,7 +61,7 @@ def terminal(summary: dict[str, Any]) -> Group:
         ),
     ]
     if len(study["methods"]) > 1:
-        title = f"Difference to {study['baseline']}, over the n episodes where both succeed"
+        title = f"Difference to {study['baseline']} where both succeed, in n episodes (p by Holm)"
         parts.append(_rich_table(f"\n{title}", *_short_differences(summary), words=1))
     stopped = _stopping_note(summary)
     return Group(*parts, *([Text(stopped)] if stopped else []))
@@ -257,7 +257,7 @@ def _short_differences(summary: dict[str, Any]) -> tuple[list[str], list[list[st
             rows.append([f"{pair['method']}, n = {success['both']:,}"])
             rows += [[f"\u00a0{name}", *row] for name, *row in body]
             rows.append([])
-    return ["Figure", "Baseline", "Method", "Difference", "Change", "p (Holm)"], rows
+    return ["Figure", "Baseline", "Method", "Difference", "Change", "p"], rows
 
 
 def _success_rates(success: dict[str, Any]) -> tuple[float | None, float | None]:
