@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.markdown import table, verdict
-from usvjax.replanning import DstarLiteResult, dstar_lite
+from usvjax.search.replanning import DstarLiteResult, dstar_lite
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 plain = importlib.import_module("dstar_reference")

@@ -9,8 +9,8 @@ import numpy as np
 from benchmarks.markdown import table, verdict
 from benchmarks.peers import dstar_pmp
 from benchmarks.timing import in_turns, spread
-from usvjax.astar import AstarResult, astar
-from usvjax.replanning import DstarLiteResult, dstar_lite
+from usvjax.search.astar import AstarResult, astar
+from usvjax.search.replanning import DstarLiteResult, dstar_lite
 
 TITLE = "D* Lite pays"
 SIZES = {50: 0.10, 100: 0.12}  # cells along an edge: share of blocked cells

@@ -13,8 +13,8 @@ from benchmarks import pqueue_buckets
 from benchmarks.markdown import table
 from benchmarks.timing import in_turns, spread
 from usvjax.devices import COMPILER_OPTIONS
-from usvkernels import pqueue, pqueue_heap
-from usvkernels.pqueue import ABSENT
+from usvkernels.search import pqueue, pqueue_heap
+from usvkernels.search.pqueue import ABSENT
 
 TITLE = "priority queues: block minima, binary heap, buckets"
 SIDES = (25, 50, 100, 256, 512)

@@ -8,8 +8,8 @@ import numpy as np
 
 from benchmarks.markdown import table, verdict
 from benchmarks.timing import in_turns, spread
-from usvjax.turns import SmoothTurns, smooth_turns
-from usvkernels.turning import Turn
+from usvjax.paths.turns import SmoothTurns, smooth_turns
+from usvkernels.paths.turning import Turn
 
 TITLE = "corners smoothed to the turning radius"
 RADIUS = 15.0  # m: Chen 2023's vessel at 15 m/s and 1 rad/s

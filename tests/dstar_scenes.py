@@ -6,7 +6,7 @@ from typing import Any
 import dstar_reference as plain
 import numpy as np
 
-from usvjax.replanning import DstarLiteResult, dstar_lite
+from usvjax.search.replanning import DstarLiteResult, dstar_lite
 
 EPISODES, HEIGHT, WIDTH, STEPS, CHANGES = 32, 11, 13, 40, 6
 FREE = np.zeros((HEIGHT, WIDTH), bool)

@@ -10,7 +10,7 @@ import pytest
 from astar_reference import Reference, Scenes, may_step, random_scenes, shortest
 
 import usvjax as uj
-from usvjax.astar import AstarResult, astar
+from usvjax.search.astar import AstarResult, astar
 from usvkernels.status import Status
 
 MOVINGAI = Path(__file__).parents[2] / "shared" / "data" / "movingai"

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from usvjax import search_inputs
 from usvjax.errors import BadInputError as BadInput
 from usvjax.errors import BadTypeError as BadType
 from usvjax.maps import GridMap
-from usvjax.search_inputs import check_memory, search_scene
+from usvjax.search import inputs as search_inputs
+from usvjax.search.inputs import check_memory, search_scene
 
-# The module: `usvjax.astar` may name the function that it holds.
-astar_module = importlib.import_module("usvjax.astar")
+# The module: `usvjax.search.astar` may name the function that it holds.
+astar_module = importlib.import_module("usvjax.search.astar")
 
 BLOCKED = np.zeros((3, 4, 6), bool)
 BLOCKED[:, 1, 2] = True

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from astar_reference import Reference, least_with_turning, random_scenes, turning
 
-from usvjax.astar import AstarResult, astar
+from usvjax.search.astar import AstarResult, astar
 from usvkernels.status import Status
 
 SCENES = random_scenes(11, 50, (13, 17), density=(0.0, 0.4))

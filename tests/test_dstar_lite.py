@@ -22,7 +22,7 @@ from dstar_scenes import (
     wall,
 )
 
-from usvjax.replanning import DstarLiteResult, dstar_lite
+from usvjax.search.replanning import DstarLiteResult, dstar_lite
 from usvkernels.status import Status
 
 EXACT = ("octile", "chebyshev")

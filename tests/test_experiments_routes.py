@@ -32,7 +32,7 @@ from experiments.zhang2019 import compare as zhang_compare  # noqa: E402
 from experiments.zhang2019 import runs as zhang_runs  # noqa: E402
 from experiments.zhang2019 import verdicts as zhang_verdicts  # noqa: E402
 from experiments.zhang2019.published import TRADITIONAL, arithmetic, steps_of  # noqa: E402
-from usvjax.replanning import dstar_lite  # noqa: E402
+from usvjax.search.replanning import dstar_lite  # noqa: E402
 from usvkernels.status import Status  # noqa: E402
 
 EXACT = Rules(1000, 1400, heuristic="octile")

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usvjax.path_metrics import path_metrics
-from usvjax.turns import smooth_turns
+from usvjax.paths.metrics import path_metrics
+from usvjax.paths.turns import smooth_turns
 
 
 def test_a_path_by_hand() -> None:

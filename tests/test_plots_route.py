@@ -13,13 +13,13 @@ from PIL import Image
 from rich.console import Console
 
 from usvjax import plots
-from usvjax.astar import astar
 from usvjax.cli import main
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, random_maps, save_map
 from usvjax.plots import style
 from usvjax.plots.route import busiest, closeup_width, view_around
-from usvjax.replanning import dstar_lite
+from usvjax.search.astar import astar
+from usvjax.search.replanning import dstar_lite
 from usvjax.study import load_run, load_spec, run_study
 from usvjax.study.report import terminal
 from usvkernels.status import Status

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usvkernels import pqueue, pqueue_heap
-from usvkernels.pqueue import ABSENT
+from usvkernels.search import pqueue, pqueue_heap
+from usvkernels.search.pqueue import ABSENT
 
 LANES = 4
 # Two levels, three levels with several groups, and a column too long to be written out.

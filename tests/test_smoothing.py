@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from path_cases import centre, packed, routes, sees
 from scipy.interpolate import BSpline
 
-from usvjax.smoothing import bspline, key_points, redensify, shorten
-from usvkernels.charts import charts_of
-from usvkernels.smoothing import line_of_sight
+from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
+from usvkernels.paths.charts import charts_of
+from usvkernels.paths.smoothing import line_of_sight
 
 
 @partial(jax.jit, static_argnames="corner_cutting")

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import usvjax as uj
-from usvjax import path_blocks
-from usvjax.path_metrics import path_metrics
-from usvjax.smoothing import bspline, key_points, redensify, shorten
-from usvjax.tracking import track_paths
-from usvjax.turns import smooth_turns
-from usvkernels.tracking import TrackParams
+from usvjax.paths import blocks as path_blocks
+from usvjax.paths.metrics import path_metrics
+from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
+from usvjax.paths.tracking import track_paths
+from usvjax.paths.turns import smooth_turns
+from usvkernels.paths.tracking import TrackParams
 
 BadInput, BadType = uj.BadInputError, uj.BadTypeError
 NAN, INF = float("nan"), float("inf")

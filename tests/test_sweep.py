@@ -10,12 +10,21 @@ from grid_oracle import check_path, lengths
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usvjax.search_inputs import SearchScene, search_scene
-from usvjax.sweeping import SweepPaths, pack_maps, sweep_paths
-from usvkernels import sweep_search
+from usvjax.search.inputs import SearchScene, search_scene
+from usvjax.search.sweeping import SweepPaths, pack_maps, sweep_paths
+from usvkernels.search import sweep_search
+from usvkernels.search.steps import (
+    SMALL_UNITS,
+    UNITS,
+    Units,
+    cells,
+    counts,
+    manhattan,
+    moves,
+    octile,
+)
+from usvkernels.search.sweep import Sweep
 from usvkernels.status import Status
-from usvkernels.steps import SMALL_UNITS, UNITS, Units, cells, counts, manhattan, moves, octile
-from usvkernels.sweep import Sweep
 
 RULES: dict[str, dict[str, Any]] = {
     "octile": {},

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from usvjax.tracking import track_paths
-from usvjax.turns import smooth_turns
-from usvkernels.tracking import TrackParams
+from usvjax.paths.tracking import track_paths
+from usvjax.paths.turns import smooth_turns
+from usvkernels.paths.tracking import TrackParams
 
 OPEN = np.zeros((100, 100), bool)
 CELL = 3.0

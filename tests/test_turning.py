@@ -14,9 +14,9 @@ from benchmarks.turning_corners import (
     random_corners,
     smooth,
 )
-from usvjax.smoothing import key_points
-from usvjax.turns import SmoothTurns, smooth_turns
-from usvkernels.turning import Turn
+from usvjax.paths.smoothing import key_points
+from usvjax.paths.turns import SmoothTurns, smooth_turns
+from usvkernels.paths.turning import Turn
 
 OPEN = np.zeros((128, 128), bool)
 SPACING = 0.5  # m, of `smooth`

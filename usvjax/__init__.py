@@ -21,40 +21,111 @@ if TYPE_CHECKING:
         save_map,
     )
     from usvjax.navigate import DwaCandidates, NavigateResult, dwa_candidates, navigate_dwa
+    from usvjax.paths.metrics import PathMetrics, path_metrics
+    from usvjax.paths.smoothing import (
+        DensePaths,
+        KeyPaths,
+        Splines,
+        bspline,
+        key_points,
+        redensify,
+        shorten,
+    )
+    from usvjax.paths.tracking import Tracks, track_paths
+    from usvjax.paths.turns import PathPieces, SmoothTurns, smooth_turns
     from usvjax.presets import PRESETS, DwaPreset, fit_window, preset
+    from usvjax.search.astar import AstarResult, astar
+    from usvjax.search.distance import distance_field
+    from usvjax.search.replanning import DstarLiteResult, dstar_lite
     from usvjax.study import load_run, run_study
     from usvkernels.dwa import DwaParams, DwaStatic
+    from usvkernels.paths.tracking import TrackParams
+    from usvkernels.paths.turning import Turn
     from usvkernels.status import Status
 
 __version__ = "0.1.0"
 
 __all__ = [
     "PRESETS",
+    "AstarResult",
     "BadInputError",
     "BadTypeError",
+    "DensePaths",
+    "DstarLiteResult",
     "DwaCandidates",
     "DwaParams",
     "DwaPreset",
     "DwaStatic",
     "GridMap",
+    "KeyPaths",
     "NavigateResult",
+    "PathMetrics",
+    "PathPieces",
+    "SmoothTurns",
+    "Splines",
     "Status",
+    "TrackParams",
+    "Tracks",
+    "Turn",
+    "astar",
+    "bspline",
+    "distance_field",
+    "dstar_lite",
     "dwa_candidates",
     "expand_obstacles",
     "fit_window",
     "hongze_lake",
+    "key_points",
     "load_map",
     "load_run",
     "navigate_dwa",
     "obstacle_table",
+    "path_metrics",
     "preset",
     "random_maps",
+    "redensify",
     "run_study",
     "save_map",
+    "shorten",
+    "smooth_turns",
+    "track_paths",
     "use_all_cores",
 ]
 
 _HOME = {
+    "usvjax.paths.metrics": (
+        "PathMetrics",
+        "path_metrics",
+    ),
+    "usvjax.paths.smoothing": (
+        "DensePaths",
+        "KeyPaths",
+        "Splines",
+        "bspline",
+        "key_points",
+        "redensify",
+        "shorten",
+    ),
+    "usvjax.paths.tracking": (
+        "Tracks",
+        "track_paths",
+    ),
+    "usvjax.paths.turns": (
+        "PathPieces",
+        "SmoothTurns",
+        "smooth_turns",
+    ),
+    "usvjax.search.astar": (
+        "AstarResult",
+        "astar",
+    ),
+    "usvjax.search.distance": ("distance_field",),
+    "usvjax.search.replanning": (
+        "DstarLiteResult",
+        "dstar_lite",
+    ),
+    "usvkernels.paths.tracking": ("TrackParams",),
+    "usvkernels.paths.turning": ("Turn",),
     "usvjax.errors": ("BadInputError", "BadTypeError"),
     "usvjax.maps": (
         "GridMap",

@@ -8,14 +8,14 @@ import numpy as np
 
 from experiments.chen2023.published import ENDS, PRINTED_RADIUS, SPEED, TURNING_RADIUS, YAW_RATE
 from experiments.chen2023.scenes import CELL, ORIGIN, Scenes, on_blocked, to_cells, to_points
-from usvjax.astar import AstarResult, astar
-from usvjax.path_metrics import path_metrics
-from usvjax.smoothing import KeyPaths, bspline, shorten
-from usvjax.tracking import Tracks, track_paths
-from usvjax.turns import SmoothTurns, smooth_turns
+from usvjax.paths.metrics import path_metrics
+from usvjax.paths.smoothing import KeyPaths, bspline, shorten
+from usvjax.paths.tracking import Tracks, track_paths
+from usvjax.paths.turns import SmoothTurns, smooth_turns
+from usvjax.search.astar import AstarResult, astar
+from usvkernels.paths.tracking import TrackParams
+from usvkernels.paths.turning import Turn
 from usvkernels.status import Status
-from usvkernels.tracking import TrackParams
-from usvkernels.turning import Turn
 
 SPACING = 1.0  # m, of samples along smoothed paths
 SPLINE_SAMPLES = 1000

@@ -10,8 +10,8 @@ import numpy as np
 
 from experiments.chen2023.published import ENDS
 from experiments.chen2023.routes import PROPOSED, SPLINE, Search, end_cells, make_route
-from usvjax.astar import astar
-from usvjax.smoothing import shorten
+from usvjax.paths.smoothing import shorten
+from usvjax.search.astar import astar
 
 STAGES = ("search", "shorten", "bspline", "arcs")
 WHOLE = {"a_bspline": ("search", "bspline"), "a_proposed": ("search", "shorten", "arcs")}

@@ -12,9 +12,9 @@ from experiments.parallel import on_own_devices
 from experiments.textbook import STRAIGHTS_FIRST, Rules
 from experiments.wei2023.published import UNIT
 from experiments.wei2023.scenes import SHOWN, Scenes, centre_of, clearance
-from usvjax.astar import astar
-from usvjax.path_metrics import path_metrics
-from usvjax.smoothing import key_points, shorten
+from usvjax.paths.metrics import path_metrics
+from usvjax.paths.smoothing import key_points, shorten
+from usvjax.search.astar import astar
 
 SEARCHES = ("euclidean", "octile")
 """Heuristics of the batched search."""

@@ -9,8 +9,8 @@ import heapq
 import jax.numpy as jnp
 import numpy as np
 
-from usvkernels.replan_heuristics import guide
-from usvkernels.steps import DIAGONAL, STRAIGHT
+from usvkernels.search.replan_heuristics import guide
+from usvkernels.search.steps import DIAGONAL, STRAIGHT
 
 Cell = tuple[int, int]
 

@@ -10,7 +10,7 @@ from scipy import ndimage
 import usvjax as uj
 from experiments.parallel import on_own_devices
 from experiments.yu2022.published import HEURISTICS, SENSING
-from usvjax.replanning import dstar_lite
+from usvjax.search.replanning import dstar_lite
 from usvkernels.status import Status
 
 APART = 0.5

@@ -15,7 +15,7 @@ from experiments import textbook
 from experiments.parallel import device_of, on_own_devices
 from experiments.textbook import LOWER_FIRST, UPPER_FIRST, Rules
 from experiments.zhang2019.published import DIAGONAL, GAMMA
-from usvjax.astar import astar
+from usvjax.search.astar import astar
 from usvkernels.status import Status
 
 SIDE = 25

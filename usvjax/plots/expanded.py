@@ -12,13 +12,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
-from usvjax.astar import astar
 from usvjax.checks import one_of
-from usvjax.distance import distance_field
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.plots import base_map, style
 from usvjax.plots.paths import draw_ends
+from usvjax.search.astar import astar
+from usvjax.search.distance import distance_field
 
 BoolArray = NDArray[np.bool_]
 FloatArray = NDArray[np.float64]
@@ -70,7 +70,7 @@ def expanded_cells(
         start: int[2], cell (x, y).
         goal: int[2], cell (x, y).
         heuristics: Of `HEURISTICS`.
-        corner_cutting: As in `usvjax.astar`.
+        corner_cutting: As in `usvjax.search.astar`.
 
     Raises:
         BadTypeError: Cells that are not whole numbers.

@@ -12,12 +12,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from numpy.typing import ArrayLike, NDArray
 
-from usvjax.astar import astar
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.plots import base_map, style
 from usvjax.plots.animation import check_animation, frame_steps, write_film
 from usvjax.plots.paths import draw_ends
+from usvjax.search.astar import astar
 
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]

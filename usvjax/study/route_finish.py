@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from usvjax.path_blocks import bucket
-from usvjax.smoothing import bspline, key_points, shorten
-from usvjax.turns import smooth_turns
-from usvkernels.turning import Turn
+from usvjax.paths.blocks import bucket
+from usvjax.paths.smoothing import bspline, key_points, shorten
+from usvjax.paths.turns import smooth_turns
+from usvkernels.paths.turning import Turn
 
 # Rounding of single precision must not make a curvature exceed 1 / R.
 _ROUNDING = 1e-3

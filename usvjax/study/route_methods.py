@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from usvjax.astar import MOST_TURN_COST, AstarResult, astar
 from usvjax.errors import BadInputError
-from usvjax.path_blocks import padded_points
-from usvjax.path_metrics import path_metrics
+from usvjax.paths.blocks import padded_points
+from usvjax.paths.metrics import path_metrics
+from usvjax.search.astar import MOST_TURN_COST, AstarResult, astar
 from usvjax.study.route_finish import FINISHES, Sailing
 from usvjax.study.route_queries import Queries
 from usvkernels.status import Status
@@ -26,9 +26,9 @@ class Method:
 
     Attributes:
         words: what it is, for tables and help.
-        heuristic: of `usvjax.astar`.
+        heuristic: of `usvjax.search.astar`.
         weighted: whether the heuristic is weighted.
-        turn_mode: how turning counts, as in `usvjax.astar`; None where it does not.
+        turn_mode: how turning counts, as in `usvjax.search.astar`; None where it does not.
         finish: what is done to the path: None, "shorten", "key_points", "arcs" or "bspline".
     """
 
@@ -202,7 +202,7 @@ def find_paths(queries: Queries, options: SearchOptions, method: str) -> AstarRe
         method: a key of `METHODS`.
 
     Raises:
-        BadTypeError, BadInputError: as `usvjax.astar`.
+        BadTypeError, BadInputError: as `usvjax.search.astar`.
     """
     chosen = METHODS[method]
     found: AstarResult = astar(

@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.astar import AstarResult
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.disk import read_bytes
+from usvjax.search.astar import AstarResult
 from usvjax.study.fields import read_table
 from usvjax.study.map_inputs import map_digest, read_map, saying_where
 from usvjax.study.route_benchmark import ScenarioQueries, read_benchmark

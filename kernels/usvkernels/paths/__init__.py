@@ -1,0 +1,1 @@
+"""Kernels that shorten, smooth, track and measure paths."""

@@ -1,0 +1,1 @@
+"""Working with what XLA's CPU backend does."""

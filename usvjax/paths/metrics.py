@@ -1,0 +1,136 @@
+"""What paths cost: length, turns, curvature, clearance, energy."""
+
+from dataclasses import dataclass
+from functools import partial
+from math import ceil, inf, pi
+from typing import Any
+
+import jax
+import numpy as np
+
+from usvjax.checks import not_negative, positive
+from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
+from usvjax.paths.inputs import Frame, check_number, path_frame, path_rows, scale
+from usvjax.paths.points import polyline_pieces, sample_pieces, without_repeats
+from usvkernels.paths import path_metrics as kernel
+
+STEP = 0.5  # cells along a path, between points whose clearance is measured
+
+
+@dataclass(frozen=True)
+class PathMetrics:
+    """Measures of B paths; numpy arrays, nan or 0 where there is no path.
+
+    Attributes:
+      length: float32[B], m.
+      inflections: int32[B], points at which the course changes.
+      turning: float32[B], sum of the changes of course, rad.
+      curvature: float32[B], the largest discrete curvature, 1/m: at a point between segments a
+        and b that meet at the angle w, 2 sin(w / 2) / ((a + b) / 2); on samples of an arc that
+        is 1 / radius.
+      clearance: float32[B] or None, least distance (m) of points on the path, at most half a
+        cell apart, to a blocked cell, 0 on one; inf beyond `clearance_limit`.
+      energy: float32[B], that of `length` straight ahead plus that of turning.
+    """
+
+    length: np.ndarray
+    inflections: np.ndarray
+    turning: np.ndarray
+    curvature: np.ndarray
+    clearance: np.ndarray | None
+    energy: np.ndarray
+
+
+def path_metrics(
+    paths: Any,
+    lengths: Any,
+    blocked: Any = None,
+    *,
+    cell_size: float | None = None,
+    origin: Any = None,
+    turn_cost: float = 0.5,
+    energy_unit: float = 100.0,
+    tolerance: float = 1e-3,
+    clearance_limit: float | None = None,
+) -> PathMetrics:
+    """Measure paths.
+
+    Args:
+      paths: int[B, P, 2], cells, or float[B, P, 2], m.
+      lengths: int[B], points of each path, 0 where there is none; None: all P.
+      blocked: map for the clearance: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
+      cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
+      turn_cost: gamma, energy of a turn by 45 deg: e = gamma * angle / 45 deg (Zhang et al.
+        2019, Eq. 6, where it is 0.5).
+      energy_unit: m, length that costs an energy of 1 (Zhang: 100 m).
+      tolerance: rad, change of course up to which a point is no inflection.
+      clearance_limit: m, how far to look for blocked cells; default 16 cells.
+
+    Raises:
+      BadTypeError, BadInputError: wrong types, shapes or numbers; a map that does not go with
+        the paths.
+    """
+    frame = None
+    if blocked is not None:
+        frame = path_frame(blocked, cell_size, origin)
+        size, corner = frame.cell_size, frame.origin
+    else:
+        size, corner = scale(cell_size, origin)
+    turn_cost, tolerance = (
+        not_negative("turn_cost", turn_cost),
+        not_negative("tolerance", tolerance),
+    )
+    energy_unit = positive("energy_unit", energy_unit)
+    limit = 16 * size
+    if clearance_limit is not None:
+        limit = positive("clearance_limit", clearance_limit)
+    given = path_rows(paths, lengths)
+    world = given.metres(size, corner)
+    if frame is not None:
+        check_number(given, frame)
+    points, counts = without_repeats(world - corner, given.counts)
+    length, inflections, turning, curvature = _measured(points, counts, tolerance)
+    clearance = None
+    if frame is not None:
+        clearance = _clearance(points, counts, frame, limit)
+    energy = length / energy_unit + turn_cost * turning / (pi / 4)
+    energy = np.where(given.counts > 0, energy, np.nan).astype(np.float32)
+    length = np.where(given.counts > 0, length, np.nan).astype(np.float32)
+    return PathMetrics(length, inflections, turning, curvature, clearance, energy)
+
+
+def _measured(points: np.ndarray, counts: np.ndarray, tolerance: float) -> tuple[np.ndarray, ...]:
+    capacity = bucket(max(points.shape[1], 16), 4)
+    base = points[:, :1]
+
+    def work(rows: np.ndarray) -> tuple[jax.Array, ...]:
+        local = padded_points(points[rows] - base[rows], capacity).astype(np.float32)
+        return _measure(local, counts[rows], np.float32(tolerance))
+
+    return in_blocks(work, len(points))
+
+
+def _clearance(points: np.ndarray, counts: np.ndarray, frame: Frame, limit: float) -> np.ndarray:
+    """float32[B], m."""
+    pieces = polyline_pieces(padded_points(points / frame.cell_size, 2))
+    longest = float(pieces[2].sum(axis=1).max())
+    capacity = bucket(max(ceil(longest / STEP) + 2, 64), 4)
+    places, _, _, number = sample_pieces(pieces, STEP, capacity)
+    number = np.where(counts > 0, number, 0).astype(np.int32)
+    reach = np.int32(ceil(limit / frame.cell_size))
+
+    def work(rows: np.ndarray) -> tuple[jax.Array]:
+        return (_least(frame.charts(rows), places[rows], number[rows], reach),)
+
+    (found,) = in_blocks(work, len(points), frame.most_rows)
+    clearance = found * np.float32(frame.cell_size)
+    return np.where(clearance <= limit, clearance, np.float32(inf))
+
+
+@partial(jax.jit, compiler_options=QUICKLY_COMPILED)
+def _measure(points: jax.Array, counts: jax.Array, tolerance: jax.Array) -> tuple[jax.Array, ...]:
+    found = kernel.measure(points, counts, tolerance)
+    return found.length, found.inflections, found.turning, found.curvature
+
+
+_least = jax.jit(kernel.least_clearance, compiler_options=QUICKLY_COMPILED)

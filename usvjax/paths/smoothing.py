@@ -1,0 +1,231 @@
+"""Fewer and smoother points: shortened paths, key points, points at a spacing, B-splines."""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import numpy as np
+
+from usvjax.checks import positive, whole_number
+from usvjax.errors import BadInputError
+from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
+from usvjax.paths.inputs import Frame, Paths, check_on_water, path_frame, path_rows, scale
+from usvkernels.paths import bspline as spline_kernel
+from usvkernels.paths import smoothing
+from usvkernels.paths.charts import Charts
+
+
+@dataclass(frozen=True)
+class KeyPaths:
+    """Paths through some of their points; numpy arrays, in the order of the arguments.
+
+    Attributes:
+      path: int32[B, Q, 2], cells (x, y); the last is repeated.
+      path_length: int32[B], points of each path, 0 where there was none.
+      index: int32[B, Q], place of each point in the path it came from.
+    """
+
+    path: np.ndarray
+    path_length: np.ndarray
+    index: np.ndarray
+
+
+@dataclass(frozen=True)
+class DensePaths:
+    """Paths in the world; numpy arrays.
+
+    Attributes:
+      path: float64[B, Q, 2], points (m); the last is repeated.
+      path_length: int32[B], points of each path, 0 where there was none.
+    """
+
+    path: np.ndarray
+    path_length: np.ndarray
+
+
+@dataclass(frozen=True)
+class Splines:
+    """B-splines along paths; numpy arrays.
+
+    Attributes:
+      points: float64[B, n, 2], points (m).
+      heading: float32[B, n], rad.
+      curvature: float32[B, n], 1/m, positive to port.
+      counts: int32[B], n, or 0 where there was no path.
+    """
+
+    points: np.ndarray
+    heading: np.ndarray
+    curvature: np.ndarray
+    counts: np.ndarray
+
+
+def shorten(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool = False) -> KeyPaths:
+    """Pull paths straight: from each point kept on to the last before the first out of sight.
+
+    Source: Yu et al. 2022, section 4.2.2. Line of sight is exact: the segment between two
+    cells' centres touches no blocked cell, cells being closed squares; through a corner of the
+    lattice it touches all four cells there, as for a diagonal step of `astar`.
+
+    Args:
+      paths: int[B, P, 2], cells (x, y), as `astar` returns them; points past the end of a path
+        are ignored.
+      lengths: int[B], points of each path, `path_length` of `astar`; 0 where there is no path.
+        None: all P.
+      blocked: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
+      corner_cutting: through a corner, count only the two cells that the segment passes
+        through; for paths that were searched so.
+
+    Raises:
+      BadTypeError: paths that are not whole numbers, a map that is not boolean.
+      BadInputError: ragged or unequal batches, a path that leaves the map or meets a blocked
+        cell; the message names the first row.
+    """
+    return _pruned(paths, lengths, blocked, corner_cutting, repeat=False)
+
+
+def key_points(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool = False) -> KeyPaths:
+    """Drop points whose neighbours see each other, until no such point is left.
+
+    Source: Wei & Zhang 2023, section 2.2.1 and Fig. 4. Never more points than `shorten`, whose
+    result is the first pass. `redensify` puts points back at the unit length.
+
+    Args:
+      paths, lengths, blocked, corner_cutting: as `shorten`.
+
+    Raises:
+      BadTypeError, BadInputError: as `shorten`.
+    """
+    return _pruned(paths, lengths, blocked, corner_cutting, repeat=True)
+
+
+def redensify(
+    paths: Any, lengths: Any, unit: float, *, cell_size: float | None = None, origin: Any = None
+) -> DensePaths:
+    """Points along paths: every point given, and one each `unit` of length from it on.
+
+    Source: Wei & Zhang 2023, section 2.2.1; their unit length is that of the search's grid.
+
+    Args:
+      paths: int[B, P, 2], cells, or float[B, P, 2], m.
+      lengths: int[B], points of each path; None: all P.
+      unit: m.
+      cell_size: m, default 1; origin: (x, y), m, default (0, 0); where cells lie.
+
+    Raises:
+      BadTypeError, BadInputError: wrong types, shapes or numbers.
+    """
+    size, corner = scale(cell_size, origin)
+    given = path_rows(paths, lengths)
+    unit = positive("unit", unit)
+    points = given.metres(size, corner)
+    steps = np.linalg.norm(np.diff(points, axis=1), axis=2)  # padding adds none
+    pieces = np.ceil(steps / unit - 1e-9).sum(axis=1)
+    if not (pieces < 2**24).all():
+        raise BadInputError(
+            f"unit: got {unit:g} m; that makes {pieces.max():.3g} points on a path of "
+            f"{steps.sum(axis=1).max():g} m"
+        )
+    capacity = bucket(max(int(pieces.max()) + 2, 256), 4)
+    base = points[:, :1]
+
+    def work(rows: np.ndarray) -> tuple[jax.Array, jax.Array]:
+        local = (points[rows] - base[rows]).astype(np.float32)
+        return _redensify(local, given.counts[rows], np.float32(unit), capacity)
+
+    dense, count = in_blocks(work, len(given))
+    dense = dense[:, : max(int(count.max()), 1)] + base
+    # Where the path ends it ends exactly, whatever single precision made of it.
+    last = np.maximum(count - 1, 0)[:, None]
+    at_end = np.arange(dense.shape[1]) >= last
+    return DensePaths(np.where(at_end[..., None], points[:, -1:], dense), count)
+
+
+def bspline(
+    paths: Any,
+    lengths: Any,
+    *,
+    samples: int = 200,
+    cell_size: float | None = None,
+    origin: Any = None,
+) -> Splines:
+    """The clamped uniform cubic B-spline with the points of a path as control points.
+
+    The comparison of Chen et al. 2023, section 5.2. It starts and ends where the path does and
+    runs along it, within the hull of every four consecutive points; it knows neither obstacles
+    nor a turning radius.
+
+    Args:
+      paths: int[B, P, 2], cells, or float[B, P, 2], m.
+      lengths: int[B], points of each path; None: all P. Two or three points give a spline of
+        degree one or two.
+      samples: points of each spline, at equal steps of its parameter.
+      cell_size: m, default 1; origin: (x, y), m, default (0, 0); where cells lie.
+
+    Raises:
+      BadTypeError, BadInputError: wrong types, shapes or numbers; a path of one point.
+    """
+    size, corner = scale(cell_size, origin)
+    samples = whole_number("samples", samples, 2)
+    given = path_rows(paths, lengths)
+    if (given.counts == 1).any():
+        row = int(np.argmax(given.counts == 1))
+        raise BadInputError(f"paths: row {row} has one point; wanted two or more for a spline")
+    points = padded_points(given.metres(size, corner), 4)
+    base = points[:, :1]
+
+    def work(rows: np.ndarray) -> tuple[jax.Array, ...]:
+        local = (points[rows] - base[rows]).astype(np.float32)
+        return _spline(local, given.counts[rows], samples)
+
+    places, heading, curvature = in_blocks(work, len(given))
+    places = places + base
+    places[:, -1] = points[:, -1]
+    counts = np.where(given.counts > 0, samples, 0).astype(np.int32)
+    return Splines(places, heading, curvature, counts)
+
+
+def _pruned(paths: Any, lengths: Any, blocked: Any, corner_cutting: bool, repeat: bool) -> KeyPaths:
+    frame = path_frame(blocked, None, None)
+    given = path_rows(paths, lengths, cells_only=True)
+    check_on_water(given, frame, corner_cutting)
+    return prune_cells(given, frame, corner_cutting, repeat)
+
+
+def prune_cells(given: Paths, frame: Frame, corner_cutting: bool, repeat: bool) -> KeyPaths:
+    """`shorten`, or `key_points` where `repeat`, of checked paths."""
+    # Long paths take longest; alike in a block, none waits for another.
+    order = np.argsort(given.counts, kind="stable")
+
+    def work(places: np.ndarray) -> tuple[np.ndarray, jax.Array]:
+        rows = order[places]
+        capacity = bucket(max(int(given.counts[rows].max()), 64), 4)
+        cells = padded_points(given.points[rows], capacity)[:, :capacity]
+        charts = frame.charts(rows)
+        index, count = _prune(charts, cells, given.counts[rows], repeat, corner_cutting)
+        return padded_points(np.asarray(index), given.points.shape[1])[
+            :, : given.points.shape[1]
+        ], count
+
+    sorted_index, sorted_count = in_blocks(work, len(given), frame.most_rows)
+    index, count = np.empty_like(sorted_index), np.empty_like(sorted_count)
+    index[order], count[order] = sorted_index, sorted_count
+    index = index[:, : max(int(count.max()), 1)]
+    path = np.take_along_axis(given.points, index[..., None], axis=1)
+    return KeyPaths(path, count, index)
+
+
+@partial(jax.jit, static_argnums=(3, 4), compiler_options=QUICKLY_COMPILED)
+def _prune(
+    charts: Charts,
+    cells: jax.Array,
+    counts: jax.Array,
+    repeat: bool,
+    corner_cutting: bool,
+) -> tuple[jax.Array, jax.Array]:
+    return smoothing.prune(charts, cells, counts, repeat=repeat, corner_cutting=corner_cutting)
+
+
+_redensify = jax.jit(smoothing.redensify, static_argnums=3, compiler_options=QUICKLY_COMPILED)
+_spline = jax.jit(spline_kernel.clamped_spline, static_argnums=2, compiler_options=QUICKLY_COMPILED)

@@ -1,0 +1,160 @@
+"""Whether a vessel of limited yaw rate stays on its path: many at once."""
+
+from dataclasses import dataclass, fields
+from functools import partial
+from math import ceil
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from usvjax.checks import float_array, positive
+from usvjax.errors import BadTypeError
+from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
+from usvjax.paths.inputs import Frame, check_on_map, path_frame, path_rows
+from usvjax.paths.points import polyline_pieces, sample_pieces, without_repeats
+from usvkernels.paths import tracking as kernel
+from usvkernels.paths.charts import Charts
+from usvkernels.paths.tracking import TrackParams
+
+STEPS = 1.5  # times those that the path's length takes, before a vessel is given up
+WINDOW = 4  # periods of sailing, whose samples may be passed in one
+
+Samples = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Points [B, N, 2] from the map's corner (m), curvature (1/m), their number."""
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """How B vessels followed their paths; numpy arrays.
+
+    Attributes:
+      arrived: bool[B], abeam of the path's end in time.
+      collided: bool[B], at any control period on a blocked cell or off the map.
+      error: float32[B], largest distance from the path (m).
+      time: float32[B], s.
+      poses: float64[B, T + 1, 3], x, y (m), psi (rad) at every control period; stays at its
+        last when the vessel has arrived.
+      distance: float32[B, T + 1], from the path (m).
+    """
+
+    arrived: np.ndarray
+    collided: np.ndarray
+    error: np.ndarray
+    time: np.ndarray
+    poses: np.ndarray
+    distance: np.ndarray
+
+
+def track_paths(
+    paths: Any,
+    lengths: Any,
+    blocked: Any,
+    *,
+    curvature: Any = None,
+    params: TrackParams | None = None,
+    spacing: float = 1.0,
+    cell_size: float | None = None,
+    origin: Any = None,
+) -> Tracks:
+    """Let vessels of constant speed and bounded yaw rate follow paths.
+
+    Chen et al. 2023, Figs. 15 and 16: the vessel turns with u / r at the tightest, so that it
+    runs wide of a sharp corner. The helmsman steers by the path's curvature and corrects what
+    he is off; he does not look ahead.
+
+    Args:
+      paths: int[B, P, 2], cells, or float[B, P, 2], m: the straight segments to follow; or,
+        with `curvature`, samples of a smooth path as `smooth_turns` returns them.
+      lengths: int[B], points of each path, 0 where there is none; None: all P.
+      blocked: the map as it is, not inflated: bool[H, W] shared, bool[B, H, W], a `GridMap`.
+      curvature: float[B, P], 1/m, at the samples; None: straight segments.
+      params: speed, yaw rate, recovery length, control period; defaults to Chen's Table 1.
+      spacing: m, of the samples that stand for straight segments.
+      cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
+
+    Raises:
+      BadTypeError, BadInputError: wrong types, shapes or numbers, a path off the map.
+    """
+    frame = path_frame(blocked, cell_size, origin)
+    given = path_rows(paths, lengths)
+    check_on_map(given, frame)
+    params = _checked(params or TrackParams())
+    points = given.metres(frame.cell_size, frame.origin) - frame.origin
+    if curvature is None:
+        samples = _along_segments(points, given.counts, positive("spacing", spacing))
+    else:
+        samples = (points, float_array("curvature", curvature, points.shape[:2]), given.counts)
+    return _sailed(samples, frame, params)
+
+
+def _along_segments(points: np.ndarray, counts: np.ndarray, spacing: float) -> Samples:
+    points, distinct = without_repeats(points, counts)
+    pieces = polyline_pieces(padded_points(points, 2))
+    longest = float(pieces[2].sum(axis=1).max())
+    places, _, curvature, number = sample_pieces(
+        pieces, spacing, bucket(max(ceil(longest / spacing) + 2, 256))
+    )
+    return places, curvature, np.where(distinct > 1, number, 0)
+
+
+def _sailed(samples: Samples, frame: Frame, params: TrackParams) -> Tracks:
+    points, curvature, counts = samples
+    gaps = np.linalg.norm(np.diff(points, axis=1), axis=2)
+    between = np.arange(gaps.shape[1]) < counts[:, None] - 1
+    gaps = np.where(between, gaps, 0.0)
+    period = float(params.speed) * float(params.dt)
+    steps = bucket(ceil(STEPS * gaps.sum(axis=1).max() / period) + 64)
+    usual = gaps.sum() / max(between.sum(), 1)
+    window = bucket(ceil(WINDOW * period / usual)) if usual > 0 else 1
+    width = bucket(max(points.shape[1], 64), 4)
+
+    def work(rows: np.ndarray) -> tuple[jax.Array, ...]:
+        reference = tuple(
+            padded_points(a[rows], width).astype(np.float32) for a in (points, curvature)
+        )
+        return _follow(
+            (*reference, counts[rows].astype(np.int32)),
+            frame.charts(rows),
+            np.float32(frame.cell_size),
+            params,
+            steps,
+            np.int32(window),
+        )
+
+    poses, distance, worst, arrived, collided, used = in_blocks(work, len(points), frame.most_rows)
+    last = int(used.max(initial=0)) + 1
+    poses = poses[:, :last].astype(np.float64)
+    poses[..., :2] += frame.origin
+    time = (used * np.float32(params.dt)).astype(np.float32)
+    return Tracks(arrived, collided, worst, time, poses, distance[:, :last])
+
+
+def _checked(params: TrackParams) -> TrackParams:
+    if not isinstance(params, TrackParams):
+        raise BadTypeError(f"params: got {type(params).__name__}; wanted TrackParams")
+    values = {f.name: positive(f"params.{f.name}", getattr(params, f.name)) for f in fields(params)}
+    return TrackParams(**values)
+
+
+@partial(jax.jit, static_argnums=4, compiler_options=QUICKLY_COMPILED)
+def _follow(
+    reference: tuple[jax.Array, ...],
+    charts: Charts,
+    cell_size: jax.Array,
+    params: TrackParams,
+    steps: int,
+    window: jax.Array,
+) -> tuple[jax.Array, ...]:
+    track = kernel.follow(
+        kernel.Reference(*reference), charts, cell_size, params, steps=steps, window=window
+    )
+    return (
+        jnp.moveaxis(track.poses, 0, 1),
+        track.error.T,
+        track.worst,
+        track.arrived,
+        track.collided,
+        track.steps,
+    )

@@ -1,0 +1,348 @@
+"""Paths that a vessel can sail: corners turned into arcs no tighter than its turning circle."""
+
+from dataclasses import dataclass
+from functools import partial
+from math import ceil, pi
+from typing import Any
+
+import jax
+import numpy as np
+
+from usvjax.checks import float_array, not_negative, positive, whole_number
+from usvjax.errors import BadInputError
+from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points, sized
+from usvjax.paths.inputs import Frame, check_on_water, path_frame, path_rows
+from usvjax.paths.points import sample_pieces, without_idle_points
+from usvjax.paths.turn_repair import repair_corners
+from usvjax.search.inputs import check_memory
+from usvkernels.paths import turning
+from usvkernels.paths.charts import Charts
+from usvkernels.paths.turning import Turn
+
+LEAST_SAMPLES = 16  # of a candidate, tested for collision
+
+
+@dataclass(frozen=True)
+class PathPieces:
+    """Segments and arcs of paths; numpy arrays, S pieces a path.
+
+    Attributes:
+      start: float64[B, S, 2], m.
+      heading: float32[B, S], course at the start, rad.
+      length: float32[B, S], m; 0 where there is no piece.
+      curvature: float32[B, S], 1/m, positive to port; 0 on a segment.
+    """
+
+    start: np.ndarray
+    heading: np.ndarray
+    length: np.ndarray
+    curvature: np.ndarray
+
+    @property
+    def valid(self) -> np.ndarray:
+        """bool[B, S], False at padding."""
+        return self.length > 0
+
+    @property
+    def sweep(self) -> np.ndarray:
+        """float64[B, S], angle turned through, rad, positive to port."""
+        return self.curvature.astype(np.float64) * self.length
+
+    @property
+    def radius(self) -> np.ndarray:
+        """float64[B, S], m; inf on a segment."""
+        with np.errstate(divide="ignore"):
+            return 1.0 / np.abs(self.curvature.astype(np.float64))
+
+    @property
+    def centre(self) -> np.ndarray:
+        """float64[B, S, 2], of the arcs (m); nan on a segment."""
+        curvature = self.curvature.astype(np.float64)
+        signed = np.divide(
+            1.0, curvature, out=np.full_like(curvature, np.nan), where=curvature != 0
+        )
+        normal = np.stack([-np.sin(self.heading), np.cos(self.heading)], axis=-1)
+        return self.start + signed[..., None] * normal
+
+    @property
+    def start_angle(self) -> np.ndarray:
+        """float64[B, S], bearing of the start from the centre of an arc, rad; nan on a segment."""
+        quarter = np.where(self.curvature == 0, np.nan, -np.sign(self.curvature) * pi / 2)
+        return self.heading + quarter
+
+    @property
+    def end(self) -> np.ndarray:
+        """float64[B, S, 2], m."""
+        half = self.sweep / 2
+        chord = self.length * np.sinc(half / pi)
+        course = self.heading + half
+        return self.start + chord[..., None] * np.stack([np.cos(course), np.sin(course)], axis=-1)
+
+
+@dataclass(frozen=True)
+class SmoothTurns:
+    """Smoothed paths; numpy arrays, in the order of the arguments.
+
+    Attributes:
+      fitted: bool[B], whether every corner got its arcs; False where there was no path.
+      turns: int32[B, C], how each corner is sailed (`Turn`): 1 inside, 2 late, 3 early, -1 left
+        as it is since no template fits, 0 padding.
+      corners: float64[B, C, 2], where they are (m).
+      repaired: bool[B], whether corners were moved.
+      pieces: the segments and arcs.
+      points: float64[B, N, 2], samples (m) from the path's first point to its last.
+      heading: float32[B, N], rad; curvature: float32[B, N], 1/m, at the samples.
+      counts: int32[B], samples of each path; the last is repeated.
+      length: float32[B], m.
+      turning: float32[B], sum of the changes of course, rad.
+      curvature_bound: float32[B], the largest curvature, 1/m; inf where a corner is left.
+    """
+
+    fitted: np.ndarray
+    turns: np.ndarray
+    corners: np.ndarray
+    repaired: np.ndarray
+    pieces: PathPieces
+    points: np.ndarray
+    heading: np.ndarray
+    curvature: np.ndarray
+    counts: np.ndarray
+    length: np.ndarray
+    turning: np.ndarray
+    curvature_bound: np.ndarray
+
+
+@dataclass(frozen=True)
+class Vessel:
+    """What a smoother must respect.
+
+    Attributes:
+      radius: float64[B], R (m).
+      reach: float64[B], R_s (m).
+      margin: m, that arcs keep to blocked cells.
+    """
+
+    radius: np.ndarray
+    reach: np.ndarray
+    margin: float
+
+    def samples(self, cell_size: float) -> int:
+        """Points of a candidate that are tested for collision."""
+        longest = max(2 * pi * self.radius.max(), 2 * self.reach.max())
+        return max(LEAST_SAMPLES, ceil(1.001 * longest / (turning.SAMPLE * cell_size)))
+
+
+def smooth_turns(
+    paths: Any,
+    lengths: Any,
+    blocked: Any,
+    *,
+    turning_radius: Any,
+    safety_range: Any = None,
+    cell_size: float | None = None,
+    origin: Any = None,
+    margin: float = 0.0,
+    spacing: float | None = None,
+    corner_cutting: bool = False,
+    repair: int = 0,
+) -> SmoothTurns:
+    """Turn the corners of paths into arcs no tighter than a vessel's turning circle.
+
+    Source: Chen et al. 2023, section 4.1 and Algorithm 1; the geometry of the three templates
+    is in `usvkernels.paths.turning`, the readings in docs/equations.md. Give it paths of few
+    points, as `shorten` or `key_points` return them: arcs need room between corners. Where two points
+    of a path are equal, or three in line, they are taken as one and two.
+
+    Collision: arcs keep more than `margin` off every blocked cell and the map's edge, which
+    the test assures for all their points; it refuses a candidate that comes nearer than that
+    and a quarter of a cell. Straight pieces are parts of the given path and as clear as it.
+
+    Args:
+      paths: int[B, P, 2], cells (x, y), or float[B, P, 2], m; clear of blocked cells.
+      lengths: int[B], points of each path, 0 where there is none; None: all P.
+      blocked: the map, already inflated: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
+      turning_radius: R (m), the vessel's least turning radius; or float[B].
+      safety_range: R_s (m), how far from the corner an inside arc leaves the path, where that
+        is possible; default 2 R (Chen, Table 1). Or float[B].
+      cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
+      margin: m, at most a fifth of a cell; inflate the map for more.
+      spacing: m, of the samples; default R / 5.
+      corner_cutting: let the given path touch corners of blocked cells.
+      repair: rounds, each of which moves, on every path with a corner left over, that corner or
+        a neighbour to the best of some 100 places. 0 leaves corners where they are.
+
+    Raises:
+      BadTypeError: arguments of the wrong type.
+      BadInputError: R not above 0 or beyond the map's longer side, a path that leaves the map
+        or meets a blocked cell, ragged or unequal batches, numbers that are not finite.
+    """
+    frame = path_frame(blocked, cell_size, origin)
+    given = path_rows(paths, lengths)
+    vessel = _vessel(turning_radius, safety_range, margin, frame, len(given))
+    spacing = positive("spacing", spacing) if spacing is not None else vessel.radius.min() / 5
+    rounds = whole_number("repair", repair, 0)
+    check_on_water(given, frame, corner_cutting)
+    points = given.metres(frame.cell_size, frame.origin) - frame.origin
+    points, counts = without_idle_points(points, given.counts)
+    turned = turn_corners(points, counts, np.arange(len(given)), frame, vessel)
+    repaired = np.zeros(len(given), bool)
+    if rounds:
+        points, counts, repaired = repair_corners(
+            points, counts, turned[0], frame, vessel, turn_corners, rounds, corner_cutting
+        )
+        changed = np.flatnonzero(repaired)
+        if len(changed):
+            anew = turn_corners(points[changed], counts[changed], changed, frame, vessel)
+            turned = tuple(_put(old, new, changed) for old, new in zip(turned, anew, strict=True))
+    exact = np.where((given.counts > 0)[:, None, None], points[:, [0, -1]], 0.0)
+    return _result(turned, points, counts, exact, repaired, frame, spacing)
+
+
+Turned = tuple[np.ndarray, ...]
+"""Cases int32[n, C], deflections [n, C]; start [n, S, 2], heading, length, curvature [n, S]."""
+
+
+def turn_corners(
+    points: np.ndarray, counts: np.ndarray, rows: np.ndarray, frame: Frame, vessel: Vessel
+) -> Turned:
+    """Smooth paths of distinct points, float64[n, P, 2] from the map's corner, m.
+
+    Args:
+      points, counts: the paths.
+      rows: int[n], the row of the batch that each belongs to: its map and vessel.
+      frame: the maps.
+      vessel: what sails.
+    """
+    order = np.argsort(counts, kind="stable")  # alike in a block
+    width = max(points.shape[1], 3)
+    points = padded_points(points, width)
+    samples = vessel.samples(frame.cell_size)
+
+    def work(places: np.ndarray) -> tuple[np.ndarray, ...]:
+        some = order[places]
+        capacity = bucket(max(-(-int(counts[some].max()) // 2), 4), 4) * 2
+        local = padded_points(points[some], capacity)[:, :capacity].astype(np.float32)
+        charts = frame.charts(rows[some])
+        radius, reach = (a[rows[some]].astype(np.float32) for a in (vessel.radius, vessel.reach))
+        scale = np.array([frame.cell_size, vessel.margin], np.float32)
+        tests = np.int32(samples)
+        found = _smooth(charts, local, counts[some], radius, reach, scale, tests)
+        corners, pieces = width - 2, 3 * (width - 2) + 1
+        sizes = (corners, corners, pieces, pieces, pieces, pieces)
+        return tuple(sized(np.asarray(a), n) for a, n in zip(found, sizes, strict=True))
+
+    found = in_blocks(work, len(points), frame.most_rows)
+    back = np.argsort(order)
+    return tuple(a[back] for a in found)
+
+
+@partial(jax.jit, compiler_options=QUICKLY_COMPILED)
+def _smooth(
+    charts: Charts,
+    points: jax.Array,
+    counts: jax.Array,
+    radius: jax.Array,
+    reach: jax.Array,
+    scale: jax.Array,
+    samples: jax.Array,
+) -> tuple[jax.Array, ...]:
+    corners, cases, pieces = turning.smooth(
+        charts, points, counts, radius, reach, scale[0], scale[1], samples
+    )
+    return (
+        cases,
+        corners.deflection,
+        pieces.start,
+        pieces.heading,
+        pieces.length,
+        pieces.curvature,
+    )
+
+
+def _put(old: np.ndarray, new: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    size = max(old.shape[1], new.shape[1])
+    old, new = sized(old, size), sized(new, size)
+    old[rows] = new
+    return old
+
+
+def _vessel(turning_radius: Any, safety_range: Any, margin: Any, frame: Frame, rows: int) -> Vessel:
+    radius = _per_path("turning_radius", turning_radius, rows, frame)
+    reach = 2 * radius
+    if safety_range is not None:
+        reach = _per_path("safety_range", safety_range, rows, frame)
+    margin = not_negative("margin", margin)
+    if margin > 0.2 * frame.cell_size:
+        raise BadInputError(
+            f"margin: got {margin:g} m; wanted at most {0.2 * frame.cell_size:g} m, a fifth of a "
+            "cell; inflate the map for more"
+        )
+    return Vessel(radius, reach, margin)
+
+
+def _per_path(name: str, value: Any, rows: int, frame: Frame) -> np.ndarray:
+    if np.ndim(value) == 0:
+        values = np.full(rows, positive(name, value))
+    else:
+        values = float_array(name, value, (rows,))
+    if (values <= 0).any():
+        row = int(np.argmax(values <= 0))
+        raise BadInputError(f"{name}: got {values[row]:g} in row {row}; wanted a number above 0")
+    if (values > frame.longer_side).any():
+        raise BadInputError(
+            f"{name}: got {values.max():g} m; wanted at most {frame.longer_side:g} m, the longer "
+            "side of the map"
+        )
+    return values
+
+
+def _result(
+    turned: Turned,
+    points: np.ndarray,
+    counts: np.ndarray,
+    ends: np.ndarray,
+    repaired: np.ndarray,
+    frame: Frame,
+    spacing: float,
+) -> SmoothTurns:
+    cases, deflection, *pieces = turned
+    start, heading, length, curvature = _compacted(pieces)
+    total = length.sum(axis=1, dtype=np.float64)
+    capacity = bucket(max(ceil(total.max() / spacing) + 2, 256))
+    check_memory(len(points) * capacity * 64, f"spacing: {len(points)} x {capacity} samples")
+    places, course, bend, number = sample_pieces(
+        (start, heading, length, curvature), spacing, capacity
+    )
+    number = np.where(counts > 0, number, 0).astype(np.int32)
+    width = max(int(number.max()), 1)
+    places = places[:, :width].astype(np.float64)
+    places[:, 0] = ends[:, 0]
+    after = np.arange(width) >= np.maximum(number - 1, 0)[:, None]
+    places = np.where(after[..., None], ends[:, 1:], places)
+    left = cases == Turn.UNFITTED
+    largest = np.abs(curvature).max(axis=1)
+    jumps = np.where(left, np.abs(deflection), 0.0).sum(axis=1)
+    return SmoothTurns(
+        fitted=(counts > 0) & ~left.any(axis=1),
+        turns=cases,
+        corners=sized(points[:, 1:-1], cases.shape[1]) + frame.origin,
+        repaired=repaired,
+        pieces=PathPieces(start + frame.origin, heading, length, curvature),
+        points=places + frame.origin,
+        heading=course[:, :width],
+        curvature=bend[:, :width],
+        counts=number,
+        length=total.astype(np.float32),
+        turning=(np.abs(curvature * length).sum(axis=1) + jumps).astype(np.float32),
+        curvature_bound=np.where(left.any(axis=1), np.inf, largest).astype(np.float32),
+    )
+
+
+def _compacted(pieces: list[np.ndarray]) -> list[np.ndarray]:
+    """Start, heading, length and curvature with pieces of no length moved to the end and cut."""
+    length = pieces[2]
+    order = np.argsort(length <= 0, axis=1, kind="stable")
+    width = max(int((length > 0).sum(axis=1).max()), 1)
+    order = order[:, :width]
+    start = np.take_along_axis(pieces[0], order[..., None], axis=1).astype(np.float64)
+    return [start, *(np.take_along_axis(a, order, axis=1) for a in pieces[1:])]

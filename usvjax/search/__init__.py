@@ -1,0 +1,1 @@
+"""Searches on grids: A*, distance fields, replanning with D* Lite."""
