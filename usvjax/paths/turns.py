@@ -148,10 +148,10 @@ def smooth_turns(
 ) -> SmoothTurns:
     """Turn the corners of paths into arcs no tighter than a vessel's turning circle.
 
-    Source: Chen et al. 2023, section 4.1 and Algorithm 1; the geometry of the three templates
-    is in `usvkernels.paths.turning`, the readings in docs/equations.md. Give it paths of few
-    points, as `shorten` or `key_points` return them: arcs need room between corners. Where two points
-    of a path are equal, or three in line, they are taken as one and two.
+    Source: Chen et al. 2023, section 4.1 and Algorithm 1; the geometry of the three templates is
+    in `usvkernels.paths.turning`, the readings in docs/equations.md. Give it paths of few points,
+    as `shorten` or `key_points` return them: arcs need room between corners. Where two points of a
+    path are equal, or three in line, they are taken as one and two.
 
     Collision: arcs keep more than `margin` off every blocked cell and the map's edge, which
     the test assures for all their points; it refuses a candidate that comes nearer than that
