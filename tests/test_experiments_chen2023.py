@@ -138,11 +138,6 @@ def test_beyond_the_map_there_is_water():
     assert on_blocked(grids, np.array([0]), places).tolist() == [[True, False, False]]
 
 
-def test_cells_and_points_invert_each_other():
-    cells = np.random.default_rng(3).integers(0, CELLS, (50, 2))
-    np.testing.assert_array_equal(to_cells(to_points(cells)), cells)
-
-
 # --- routes -----------------------------------------------------------------------------------
 
 

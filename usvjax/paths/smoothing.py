@@ -172,7 +172,8 @@ def bspline(
     if (given.counts == 1).any():
         row = int(np.argmax(given.counts == 1))
         raise BadInputError(f"paths: row {row} has one point; wanted two or more for a spline")
-    points = padded_points(given.metres(size, corner), 4)
+    cells = given.metres(size, corner)
+    points = padded_points(cells, max(4, bucket(cells.shape[1])))
     base = points[:, :1]
 
     def work(rows: np.ndarray) -> tuple[jax.Array, ...]:

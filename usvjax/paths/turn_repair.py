@@ -2,15 +2,13 @@
 
 from collections.abc import Callable
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from usvjax.paths.corners import Vessel
 from usvjax.paths.inputs import Frame, segments_clear
 from usvkernels.paths.turning import Turn
-
-if TYPE_CHECKING:
-    from usvjax.paths.turns import Vessel
 
 DIRECTIONS = 8
 SHARES = (0.25, 0.5, 1.0)  # of the turning radius, how far a corner is moved; besides one cell
@@ -21,7 +19,7 @@ def repair_corners(
     counts: np.ndarray,
     cases: np.ndarray,
     frame: Frame,
-    vessel: "Vessel",
+    vessel: Vessel,
     turn: Callable[..., tuple[np.ndarray, ...]],
     rounds: int,
     corner_cutting: bool,
@@ -76,7 +74,7 @@ def _moves(
     rows: np.ndarray,
     tried: np.ndarray,
     frame: Frame,
-    vessel: "Vessel",
+    vessel: Vessel,
     corner_cutting: bool,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Paths with one corner moved, float64[n, P, 2], and int[n], the row each is a form of."""

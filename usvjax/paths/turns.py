@@ -1,25 +1,20 @@
 """Paths that a vessel can sail: corners turned into arcs no tighter than its turning circle."""
 
 from dataclasses import dataclass
-from functools import partial
 from math import ceil, pi
 from typing import Any
 
-import jax
 import numpy as np
 
 from usvjax.checks import float_array, not_negative, positive, whole_number
 from usvjax.errors import BadInputError
-from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points, sized
+from usvjax.paths.blocks import bucket, sized
+from usvjax.paths.corners import Turned, Vessel, turn_corners
 from usvjax.paths.inputs import Frame, check_on_water, path_frame, path_rows
 from usvjax.paths.points import sample_pieces, without_idle_points
 from usvjax.paths.turn_repair import repair_corners
 from usvjax.search.inputs import check_memory
-from usvkernels.paths import turning
-from usvkernels.paths.charts import Charts
 from usvkernels.paths.turning import Turn
-
-LEAST_SAMPLES = 16  # of a candidate, tested for collision
 
 
 @dataclass(frozen=True)
@@ -112,26 +107,6 @@ class SmoothTurns:
     curvature_bound: np.ndarray
 
 
-@dataclass(frozen=True)
-class Vessel:
-    """What a smoother must respect.
-
-    Attributes:
-      radius: float64[B], R (m).
-      reach: float64[B], R_s (m).
-      margin: m, that arcs keep to blocked cells.
-    """
-
-    radius: np.ndarray
-    reach: np.ndarray
-    margin: float
-
-    def samples(self, cell_size: float) -> int:
-        """Points of a candidate that are tested for collision."""
-        longest = max(2 * pi * self.radius.max(), 2 * self.reach.max())
-        return max(LEAST_SAMPLES, ceil(1.001 * longest / (turning.SAMPLE * cell_size)))
-
-
 def smooth_turns(
     paths: Any,
     lengths: Any,
@@ -196,67 +171,6 @@ def smooth_turns(
             turned = tuple(_put(old, new, changed) for old, new in zip(turned, anew, strict=True))
     exact = np.where((given.counts > 0)[:, None, None], points[:, [0, -1]], 0.0)
     return _result(turned, points, counts, exact, repaired, frame, spacing)
-
-
-Turned = tuple[np.ndarray, ...]
-"""Cases int32[n, C], deflections [n, C]; start [n, S, 2], heading, length, curvature [n, S]."""
-
-
-def turn_corners(
-    points: np.ndarray, counts: np.ndarray, rows: np.ndarray, frame: Frame, vessel: Vessel
-) -> Turned:
-    """Smooth paths of distinct points, float64[n, P, 2] from the map's corner, m.
-
-    Args:
-      points, counts: the paths.
-      rows: int[n], the row of the batch that each belongs to: its map and vessel.
-      frame: the maps.
-      vessel: what sails.
-    """
-    order = np.argsort(counts, kind="stable")  # alike in a block
-    width = max(points.shape[1], 3)
-    points = padded_points(points, width)
-    samples = vessel.samples(frame.cell_size)
-
-    def work(places: np.ndarray) -> tuple[np.ndarray, ...]:
-        some = order[places]
-        capacity = bucket(max(-(-int(counts[some].max()) // 2), 4), 4) * 2
-        local = padded_points(points[some], capacity)[:, :capacity].astype(np.float32)
-        charts = frame.charts(rows[some])
-        radius, reach = (a[rows[some]].astype(np.float32) for a in (vessel.radius, vessel.reach))
-        scale = np.array([frame.cell_size, vessel.margin], np.float32)
-        tests = np.int32(samples)
-        found = _smooth(charts, local, counts[some], radius, reach, scale, tests)
-        corners, pieces = width - 2, 3 * (width - 2) + 1
-        sizes = (corners, corners, pieces, pieces, pieces, pieces)
-        return tuple(sized(np.asarray(a), n) for a, n in zip(found, sizes, strict=True))
-
-    found = in_blocks(work, len(points), frame.most_rows)
-    back = np.argsort(order)
-    return tuple(a[back] for a in found)
-
-
-@partial(jax.jit, compiler_options=QUICKLY_COMPILED)
-def _smooth(
-    charts: Charts,
-    points: jax.Array,
-    counts: jax.Array,
-    radius: jax.Array,
-    reach: jax.Array,
-    scale: jax.Array,
-    samples: jax.Array,
-) -> tuple[jax.Array, ...]:
-    corners, cases, pieces = turning.smooth(
-        charts, points, counts, radius, reach, scale[0], scale[1], samples
-    )
-    return (
-        cases,
-        corners.deflection,
-        pieces.start,
-        pieces.heading,
-        pieces.length,
-        pieces.curvature,
-    )
 
 
 def _put(old: np.ndarray, new: np.ndarray, rows: np.ndarray) -> np.ndarray:
