@@ -20,6 +20,7 @@ NAMES = (
     "study_resume",
     "search_oracle",
     "search_peers",
+    "search_growth",
     "pqueue_designs",
     "dstar_oracle",
     "dstar_replanning",

@@ -131,8 +131,8 @@ def report(found: dict[str, Any]) -> str:
     linear = growth[max(growth, key=int)] <= 1.1 * growth[min(growth, key=int)]
     header = ("maps/s (ours is so many times as fast)", "usvjax", *SOLVERS)
     return (
-        "All contestants on all cores, medians, peers with a process per core and their maps in "
-        "their own format beforehand. pyastar2d and tcod cut corners, which makes their search "
+        "All contestants on all cores, medians, peers with a process per core and maps in "
+        "their own formats beforehand. pyastar2d and tcod cut corners, which makes their search "
         "easier; no length of theirs is checked here.\n\n"
         + table((*header, "expanded", "compile s"), rows)
         + f"\n\nCost against the number of maps, 50 x 50:\n\n{cost}\n\n"

@@ -1,8 +1,9 @@
 """What users search grids with today: heapq, scipy, tcod and pyastar2d.
 
-Each takes maps bool[n, H, W], or one that all share, and starts and goals int[n, 2] as (x, y), and
-returns the lengths that it found, inf without a path. Only heapq and scipy obey the rule that a
-diagonal step wants both side cells free; tcod and pyastar2d cut corners, and are no oracles.
+Each takes maps as its `FORMATS` has them, one that all share or one for each query, and starts and
+goals int[n, 2] as (x, y), and returns the lengths that it found, inf without a path. Only heapq and
+scipy obey the rule that a diagonal step wants both side cells free; tcod and pyastar2d cut corners,
+and are no oracles.
 """
 
 import heapq
@@ -17,22 +18,22 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-Solver = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+Maps = list[Any]
+Solver = Callable[[Maps, np.ndarray, np.ndarray], np.ndarray]
 MOVES = [(x, y) for y in (-1, 0, 1) for x in (-1, 0, 1) if x or y]
 
 
-def rows_of(blocked: np.ndarray, n: int) -> Iterator[np.ndarray]:
+def rows_of(maps: Maps, n: int) -> Iterator[Any]:
     """The map of each query."""
-    return (blocked[i if len(blocked) > 1 else 0] for i in range(n))
+    return (maps[i if len(maps) > 1 else 0] for i in range(n))
 
 
-def with_heapq(blocked: np.ndarray, starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
+def with_heapq(maps: Maps, starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
     """A* with a binary heap in plain Python, as written in tutorials."""
-    maps = rows_of(blocked, len(starts))
     return np.array(
         [
-            _astar(grid.tolist(), tuple(s.tolist()), tuple(g.tolist()))
-            for grid, s, g in zip(maps, starts, goals, strict=True)
+            _astar(grid, tuple(s.tolist()), tuple(g.tolist()))
+            for grid, s, g in zip(rows_of(maps, len(starts)), starts, goals, strict=True)
         ]
     )
 
@@ -67,12 +68,12 @@ def _astar(blocked: list[list[bool]], start: tuple[int, int], goal: tuple[int, i
     return math.inf
 
 
-def with_scipy(blocked: np.ndarray, starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
-    """Dijkstra of scipy's graph routines, the graph of a shared map built once."""
-    width = blocked.shape[2]
+def with_scipy(maps: Maps, starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
+    """Dijkstra of scipy's graph routines; building a map's graph counts, once where shared."""
+    width = maps[0].shape[1]
     graph, found = None, []
-    for grid, start, goal in zip(rows_of(blocked, len(starts)), starts, goals, strict=True):
-        if graph is None or len(blocked) > 1:
+    for grid, start, goal in zip(rows_of(maps, len(starts)), starts, goals, strict=True):
+        if graph is None or len(maps) > 1:
             graph = grid_graph(grid)
         field = dijkstra(graph, indices=start[1] * width + start[0])
         found.append(field[goal[1] * width + goal[0]])
@@ -96,27 +97,25 @@ def grid_graph(blocked: np.ndarray, corner_cutting: bool = False) -> csr_matrix:
     return csr_matrix((np.concatenate(lengths), pairs), shape=(height * width,) * 2)
 
 
-def with_tcod(blocked: np.ndarray, starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
+def with_tcod(maps: Maps, starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
     """A* of libtcod (C)."""
     import tcod.path
 
     searcher, found = None, []
-    for grid, start, goal in zip(rows_of(blocked, len(starts)), starts, goals, strict=True):
-        if searcher is None or len(blocked) > 1:
-            searcher = tcod.path.AStar((~grid).astype(np.int8), diagonal=math.sqrt(2.0))
+    for costs, start, goal in zip(rows_of(maps, len(starts)), starts, goals, strict=True):
+        if searcher is None or len(maps) > 1:
+            searcher = tcod.path.AStar(costs, diagonal=math.sqrt(2.0))
         path = searcher.get_path(*start[::-1].tolist(), *goal[::-1].tolist())
         found.append(_length(np.array([start[::-1].tolist(), *path])))
     return np.array(found)
 
 
-def with_pyastar2d(blocked: np.ndarray, starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
+def with_pyastar2d(maps: Maps, starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
     """A* of pyastar2d (C++)."""
     import pyastar2d
 
-    weights, found = None, []
-    for grid, start, goal in zip(rows_of(blocked, len(starts)), starts, goals, strict=True):
-        if weights is None or len(blocked) > 1:
-            weights = np.where(grid, np.float32(np.inf), np.float32(1))
+    found = []
+    for weights, start, goal in zip(rows_of(maps, len(starts)), starts, goals, strict=True):
         ends = (tuple(start[::-1].tolist()), tuple(goal[::-1].tolist()))
         path = pyastar2d.astar_path(weights, *ends, allow_diagonal=True)
         found.append(math.inf if path is None else _length(path))
@@ -135,6 +134,14 @@ SOLVERS: dict[str, Solver] = {
     "scipy": with_scipy,
     "heapq": with_heapq,
 }
+
+FORMATS: dict[str, Callable[[np.ndarray], Any]] = {
+    "pyastar2d": lambda grid: np.where(grid, np.float32(np.inf), np.float32(1)),
+    "tcod": lambda grid: (~grid).astype(np.int8),
+    "scipy": lambda grid: grid,
+    "heapq": lambda grid: grid.tolist(),
+}
+"""A map bool[H, W] as each wants it; made before the time is taken."""
 
 
 class Crew:
@@ -168,7 +175,7 @@ def _hold(*share: np.ndarray) -> None:
 
 def _work(name: str, most: int) -> float:
     blocked, starts, goals = _held
-    maps = blocked if len(blocked) == 1 else blocked[:most]
+    maps = [FORMATS[name](grid) for grid in (blocked if len(blocked) == 1 else blocked[:most])]
     began = time.perf_counter()
     SOLVERS[name](maps, starts[:most], goals[:most])
     return time.perf_counter() - began
