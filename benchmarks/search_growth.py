@@ -49,7 +49,8 @@ def _draw(found: dict[str, Any]) -> None:
     for engine, colour, marker in (("queue", "#0072B2", "o"), ("sweep", "#D55E00", "s")):
         cost = {int(s): v[engine]["ns_per_expansion"] for s, v in found.items() if engine in v}
         axes.plot(cost.keys(), cost.values(), color=colour, marker=marker, label=engine)
-    axes.set(xscale="log", yscale="log", xlabel="cells a side", ylabel="time per expansion (ns)")
+    axes.set(xscale="log", xlabel="cells a side", ylabel="time per expansion (ns)")
+    axes.set_ylim(bottom=0)
     axes.set_xticks(list(SIDES), [str(side) for side in SIDES])
     axes.minorticks_off()
     axes.grid(alpha=0.3)
