@@ -12,7 +12,6 @@ from time import monotonic
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 
 import usvjax as uj
 from experiments.chen2023 import tables
@@ -25,9 +24,9 @@ from experiments.chen2023.runs import Job, Results, make_job, run
 from experiments.chen2023.scenes import CELL, SIDE, draw_scenes
 from experiments.chen2023.timing import timings
 from experiments.chen2023.verdicts import judge
-from experiments.files import progress, results_folder, write_json, write_text
-from experiments.verdicts import console_table
-from usvjax.errors import BadInputError, BadTypeError
+from experiments.files import progress
+from experiments.program import begin, conclude
+from usvjax.errors import BadInputError
 
 PAPER = "chen2023"
 SCENES, FEW, REPEATS = 1000, 200, 15
@@ -60,11 +59,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
     options = tyro.cli(Options, args=argv, prog=f"usvjax reproduce {PAPER}")
-    try:
-        job, folder = _job(options), results_folder(PAPER, options.out, options.quick)
-    except (BadInputError, BadTypeError) as error:
-        print(f"{PAPER}: {error}", file=sys.stderr)
+    ready = begin(PAPER, options, _job)
+    if ready is None:
         return 2
+    job, folder = ready
     begun = monotonic()
     routes = sum(plan.routes for plan in job.plans)
     with progress("routes", routes) as advance:
@@ -72,18 +70,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     found, shown = _found(job, results)
     verdicts = judge(found)
     found["verdicts"] = [asdict(verdict) for verdict in verdicts]
-    files = [
-        write_text(folder / "README.md", markdown(found)),
-        write_json(folder / "results.json", found),
-        *(draw_shown(entry, folder / "figures") for entry in shown),
-        draw_monte_carlo(found, results[job.main], folder / "figures"),
-        draw_corners(found, folder / "figures"),
-    ]
-    console = Console(highlight=False)
-    console.print(console_table("Chen et al. 2023", verdicts))
-    console.print(f"{routes:,} routes; {monotonic() - begun:,.0f} s in all")
-    for file in files:
-        console.print(f"Written  {file}", soft_wrap=True, markup=False)
+    conclude(
+        folder,
+        found,
+        markdown(found),
+        lambda into: [
+            *(draw_shown(entry, into) for entry in shown),
+            draw_monte_carlo(found, results[job.main], into),
+            draw_corners(found, into),
+        ],
+        ("Chen et al. 2023", verdicts),
+        f"{routes:,} routes in {monotonic() - begun:,.0f} s",
+    )
     return 0
 
 

@@ -12,10 +12,10 @@ from time import monotonic
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 
 import usvjax as uj
-from experiments.files import progress, results_folder, write_json, write_text
+from experiments.files import progress
+from experiments.program import begin, conclude
 from experiments.tan2022.episodes import Plan, Results, Run, sail, total
 from experiments.tan2022.figures import cap_figure, draw_maps, draw_paired
 from experiments.tan2022.paired import Comparison, compare, sensitivities
@@ -42,8 +42,8 @@ from experiments.tan2022.tables import (
     twenty_maps,
 )
 from experiments.tan2022.verdicts import evidence, judge
-from experiments.verdicts import Verdict, console_table
-from usvjax.errors import BadInputError, BadTypeError
+from experiments.verdicts import Verdict
+from usvjax.errors import BadInputError
 from usvjax.plots import save
 
 MAIN = (PRESET, DEMO, DEMO_START)
@@ -121,27 +121,23 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
     options = tyro.cli(Options, args=argv, prog="usvjax reproduce tan2022")
-    try:
-        job = _job(options)
-        folder = results_folder("tan2022", options.out, options.quick)
-    except (BadInputError, BadTypeError) as error:
-        print(f"tan2022: {error}", file=sys.stderr)
+    ready = begin("tan2022", options, _job)
+    if ready is None:
         return 2
-    console = Console(highlight=False)
+    job, folder = ready
     episodes, begun = total(job.runs()), monotonic()
     with progress("episodes", episodes) as advance:
         results = sail(job.runs(), advance)
     took = monotonic() - begun
     found, verdicts = _found(job, results)
-    files = [
-        write_text(folder / "README.md", markdown(found)),
-        write_json(folder / "results.json", found),
-        *_figures(job, results, found, folder / "figures"),
-    ]
-    console.print(console_table("Tan et al. 2022", verdicts))
-    console.print(f"{episodes:,} episodes in {took:,.0f} s")
-    for file in files:
-        console.print(f"Written  {file}", soft_wrap=True, markup=False)
+    conclude(
+        folder,
+        found,
+        markdown(found),
+        lambda into: _figures(job, results, found, into),
+        ("Tan et al. 2022", verdicts),
+        f"{episodes:,} episodes in {took:,.0f} s",
+    )
     return 0
 
 

@@ -12,18 +12,17 @@ from time import monotonic
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 
 import usvjax as uj
-from experiments.files import progress, results_folder, write_json, write_text
-from experiments.verdicts import console_table
+from experiments.files import progress
+from experiments.program import begin, conclude
 from experiments.wei2023.compare import as_many, compare, nearest
 from experiments.wei2023.figures import draw as draw_figures
 from experiments.wei2023.paths import SEARCHES, TEXTBOOK, Stages, plan
 from experiments.wei2023.report import markdown
 from experiments.wei2023.scenes import KINDS, SHOWN, Waters, draw
 from experiments.wei2023.verdicts import judge
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError
 
 
 @dataclass(frozen=True)
@@ -69,13 +68,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
     options = tyro.cli(Options, args=argv, prog="usvjax reproduce wei2023")
-    try:
-        chosen = _plan(options)
-        folder = results_folder("wei2023", options.out, options.quick)
-    except (BadInputError, BadTypeError) as error:
-        print(f"wei2023: {error}", file=sys.stderr)
+    ready = begin("wei2023", options, _plan)
+    if ready is None:
         return 2
-    console, begun = Console(highlight=False), monotonic()
+    chosen, folder = ready
+    begun = monotonic()
     scenes = {kind.label: draw(kind, chosen.scenes, chosen.seed) for kind in chosen.kinds}
     with progress("batches", len(SEARCHES) * len(scenes) + len(TEXTBOOK)) as advance:
         results = plan(scenes, chosen.textbook_scenes, advance)
@@ -94,15 +91,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     verdicts = judge(found)
     found["verdicts"] = [asdict(verdict) for verdict in verdicts]
     took = monotonic() - begun
-    files = [
-        write_text(folder / "README.md", markdown(found)),
-        write_json(folder / "results.json", found),
-        *draw_figures(scenes[SHOWN.label], job, shown, SHOWN.side, folder / "figures"),
-    ]
-    console.print(console_table("Wei & Zhang 2023", verdicts))
-    console.print(f"{chosen.scenes * len(scenes):,} scenes in {took:,.0f} s")
-    for file in files:
-        console.print(f"Written  {file}", soft_wrap=True, markup=False)
+    conclude(
+        folder,
+        found,
+        markdown(found),
+        lambda into: draw_figures(scenes[SHOWN.label], job, shown, SHOWN.side, into),
+        ("Wei & Zhang 2023", verdicts),
+        f"{chosen.scenes * len(scenes):,} scenes in {took:,.0f} s",
+    )
     return 0
 
 

@@ -12,11 +12,10 @@ from time import monotonic
 from typing import Annotated, Any
 
 import tyro
-from rich.console import Console
 
 import usvjax as uj
-from experiments.files import progress, results_folder, write_json, write_text
-from experiments.verdicts import console_table
+from experiments.files import progress
+from experiments.program import begin, conclude
 from experiments.yu2022.compare import episodes, first_plans
 from experiments.yu2022.expansion import Cell, expanded_cells
 from experiments.yu2022.figures import draw as draw_figures
@@ -24,7 +23,7 @@ from experiments.yu2022.plans import EPISODES, PLANS, Condition, Sailed, Scenes,
 from experiments.yu2022.published import HEURISTICS
 from experiments.yu2022.report import markdown
 from experiments.yu2022.verdicts import judge
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError
 
 
 @dataclass(frozen=True)
@@ -70,13 +69,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
     options = tyro.cli(Options, args=argv, prog="usvjax reproduce yu2022")
-    try:
-        plan = _plan(options)
-        folder = results_folder("yu2022", options.out, options.quick)
-    except (BadInputError, BadTypeError) as error:
-        print(f"yu2022: {error}", file=sys.stderr)
+    ready = begin("yu2022", options, _plan)
+    if ready is None:
         return 2
-    console, begun = Console(highlight=False), monotonic()
+    plan, folder = ready
+    begun = monotonic()
     conditions = (*plan.plans, *plan.episodes)
     scenes = {c.label: draw(c, plan.maps, plan.seed) for c in conditions}
     with progress("batches", len(scenes) * len(HEURISTICS)) as advance:
@@ -93,15 +90,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     verdicts = judge(found)
     found["verdicts"] = [asdict(verdict) for verdict in verdicts]
     took = monotonic() - begun
-    files = [
-        write_text(folder / "README.md", markdown(found)),
-        write_json(folder / "results.json", found),
-        *draw_figures(scenes[first], results[first], expanded, found, folder / "figures"),
-    ]
-    console.print(console_table("Yu et al. 2022", verdicts))
-    console.print(f"{len(scenes) * len(HEURISTICS) * plan.maps:,} episodes in {took:,.0f} s")
-    for file in files:
-        console.print(f"Written  {file}", soft_wrap=True, markup=False)
+    conclude(
+        folder,
+        found,
+        markdown(found),
+        lambda into: draw_figures(scenes[first], results[first], expanded, found, into),
+        ("Yu et al. 2022", verdicts),
+        f"{len(scenes) * len(HEURISTICS) * plan.maps:,} episodes in {took:,.0f} s",
+    )
     return 0
 
 

@@ -13,11 +13,10 @@ from typing import Annotated, Any
 
 import numpy as np
 import tyro
-from rich.console import Console
 
 import usvjax as uj
-from experiments.files import progress, results_folder, write_json, write_text
-from experiments.verdicts import console_table
+from experiments.files import progress
+from experiments.program import begin, conclude
 from experiments.zhang2019.compare import (
     against,
     excess,
@@ -46,7 +45,7 @@ from experiments.zhang2019.runs import (
     timed,
 )
 from experiments.zhang2019.verdicts import judge
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError
 
 QUICK = Plan(maps=400, textbook_maps=150, size_maps=15, repeats=2)
 
@@ -77,13 +76,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
     options = tyro.cli(Options, args=argv, prog="usvjax reproduce zhang2019")
-    try:
-        plan = _plan(options)
-        folder = results_folder("zhang2019", options.out, options.quick)
-    except (BadInputError, BadTypeError) as error:
-        print(f"zhang2019: {error}", file=sys.stderr)
+    ready = begin("zhang2019", options, _plan)
+    if ready is None:
         return 2
-    console, begun = Console(highlight=False), monotonic()
+    plan, folder = ready
+    begun = monotonic()
     grids = draw(plan)
     with progress("batches", len(DENSITIES) * (len(BATCHED) + 1)) as advance:
         batches = batched(grids, advance)
@@ -104,15 +101,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     verdicts = judge(found)
     found["verdicts"] = [asdict(verdict) for verdict in verdicts]
     took = monotonic() - begun
-    files = [
-        write_text(folder / "README.md", markdown(found)),
-        write_json(folder / "results.json", found),
-        *draw_figures(grids[SHOWN_DENSITY][job], job, batches, folder / "figures"),
-    ]
-    console.print(console_table("Zhang et al. 2019", verdicts))
-    console.print(f"{plan.maps:,} maps per density in {took:,.0f} s")
-    for file in files:
-        console.print(f"Written  {file}", soft_wrap=True, markup=False)
+    conclude(
+        folder,
+        found,
+        markdown(found),
+        lambda into: draw_figures(grids[SHOWN_DENSITY][job], job, batches, into),
+        ("Zhang et al. 2019", verdicts),
+        f"{plan.maps:,} maps per density in {took:,.0f} s",
+    )
     return 0
 
 
