@@ -2,10 +2,8 @@
 
 import json
 import re
-import sys
 from dataclasses import replace
 from math import cos, hypot, pi, radians, sin
-from pathlib import Path
 
 import jax
 import numpy as np
@@ -13,14 +11,10 @@ import pytest
 from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
 
-ROOT = Path(__file__).parent.parent
-if str(ROOT) not in sys.path:
-    sys.path.insert(0, str(ROOT))
-
-from experiments.chen2023 import __main__ as chen2023  # noqa: E402
-from experiments.chen2023 import published, routes, tables, verdicts  # noqa: E402
-from experiments.chen2023.runs import Job, Plan, make_job, run  # noqa: E402
-from experiments.chen2023.scenes import (  # noqa: E402
+from experiments.chen2023 import __main__ as chen2023
+from experiments.chen2023 import published, routes, tables, verdicts
+from experiments.chen2023.runs import Job, Plan, make_job, run
+from experiments.chen2023.scenes import (
     CELL,
     CELLS,
     CLEAR,

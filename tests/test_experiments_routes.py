@@ -1,10 +1,8 @@
 """Zhang 2019, Yu 2022, Wei 2023: the textbook search, what is counted, and the verdicts."""
 
 import json
-import sys
 from dataclasses import replace
 from math import hypot, sqrt
-from pathlib import Path
 from types import SimpleNamespace
 
 import jax
@@ -12,28 +10,24 @@ import numpy as np
 import pytest
 from corner_grids import grids, shortest
 
-ROOT = Path(__file__).parent.parent
-if str(ROOT) not in sys.path:
-    sys.path.insert(0, str(ROOT))
-
-from experiments import textbook  # noqa: E402
-from experiments.textbook import Rules  # noqa: E402
-from experiments.wei2023 import __main__ as wei  # noqa: E402
-from experiments.wei2023 import paths as wei_paths  # noqa: E402
-from experiments.wei2023 import scenes as wei_scenes  # noqa: E402
-from experiments.wei2023 import verdicts as wei_verdicts  # noqa: E402
-from experiments.yu2022 import __main__ as yu  # noqa: E402
-from experiments.yu2022 import compare as yu_compare  # noqa: E402
-from experiments.yu2022 import plans as yu_plans  # noqa: E402
-from experiments.yu2022 import verdicts as yu_verdicts  # noqa: E402
-from experiments.yu2022.expansion import expanded_cells  # noqa: E402
-from experiments.zhang2019 import __main__ as zhang  # noqa: E402
-from experiments.zhang2019 import compare as zhang_compare  # noqa: E402
-from experiments.zhang2019 import runs as zhang_runs  # noqa: E402
-from experiments.zhang2019 import verdicts as zhang_verdicts  # noqa: E402
-from experiments.zhang2019.published import TRADITIONAL, arithmetic, steps_of  # noqa: E402
-from usvjax.search.replanning import dstar_lite  # noqa: E402
-from usvkernels.status import Status  # noqa: E402
+from experiments import textbook
+from experiments.textbook import Rules
+from experiments.wei2023 import __main__ as wei
+from experiments.wei2023 import paths as wei_paths
+from experiments.wei2023 import scenes as wei_scenes
+from experiments.wei2023 import verdicts as wei_verdicts
+from experiments.yu2022 import __main__ as yu
+from experiments.yu2022 import compare as yu_compare
+from experiments.yu2022 import plans as yu_plans
+from experiments.yu2022 import verdicts as yu_verdicts
+from experiments.yu2022.expansion import expanded_cells
+from experiments.zhang2019 import __main__ as zhang
+from experiments.zhang2019 import compare as zhang_compare
+from experiments.zhang2019 import runs as zhang_runs
+from experiments.zhang2019 import verdicts as zhang_verdicts
+from experiments.zhang2019.published import TRADITIONAL, arithmetic, steps_of
+from usvjax.search.replanning import dstar_lite
+from usvkernels.status import Status
 
 EXACT = Rules(1000, 1400, heuristic="octile")
 

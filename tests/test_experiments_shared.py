@@ -1,6 +1,5 @@
 """What experiments share: the textbook search, devices, files, verdicts."""
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,14 +8,10 @@ import numpy as np
 import pytest
 from corner_grids import grids, shortest
 
-ROOT = Path(__file__).parent.parent
-if str(ROOT) not in sys.path:
-    sys.path.insert(0, str(ROOT))
-
-from experiments import parallel, textbook, verdicts  # noqa: E402
-from experiments.files import results_folder, rounded  # noqa: E402
-from experiments.textbook import LOWER_FIRST, STRAIGHTS_FIRST, UPPER_FIRST, Rules  # noqa: E402
-from experiments.zhang2019.runs import measure  # noqa: E402
+from experiments import parallel, textbook, verdicts
+from experiments.files import results_folder, rounded
+from experiments.textbook import LOWER_FIRST, STRAIGHTS_FIRST, UPPER_FIRST, Rules
+from experiments.zhang2019.runs import measure
 
 EXACT = Rules(1000, 1400, heuristic="octile")
 
