@@ -263,7 +263,8 @@ class _Crew:
                 while not stop.is_set():
                     unit = missing.get_nowait()
                     began = time.perf_counter()
-                    self.directory.write_shard(unit, run_unit(self.spec, unit))
+                    table = run_unit(self.spec, unit, first_method=number)
+                    self.directory.write_shard(unit, table)
                     finished.put((unit, time.perf_counter() - began))
         except queue.Empty:
             pass
@@ -276,12 +277,14 @@ class _Crew:
         return len(unit_jobs(self.spec, unit)) * len(self.spec.methods)
 
 
-def run_unit(spec: StudySpec, unit: Unit) -> pl.DataFrame:
+def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame:
     """Run one unit and check what came back.
 
     Args:
         spec: the study.
         unit: which jobs of which condition.
+        first_method: which method to begin with, counted round. Devices that begin with
+            different methods prepare different programs side by side.
 
     Returns:
         One row per job and method, jobs ascending, methods in the order of the study.
@@ -292,7 +295,9 @@ def run_unit(spec: StudySpec, unit: Unit) -> pl.DataFrame:
     condition = spec.conditions[unit.condition]
     jobs = unit_jobs(spec, unit)
     tables = []
-    for rank, method in enumerate(spec.methods):
+    count = len(spec.methods)
+    for rank in ((first_method + i) % count for i in range(count)):
+        method = spec.methods[rank]
         columns = spec.workload.run(spec, condition, method, jobs)
         place = f"condition {condition.index} ({condition.label}), method {method}"
         _check_columns(spec, columns, jobs, place)
