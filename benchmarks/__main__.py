@@ -25,6 +25,11 @@ NAMES = (
     "dstar_oracle",
     "dstar_replanning",
     "turning_corners",
+    "swarm_peers",
+    "tour_optima",
+    "tour_peers",
+    "planner_paths",
+    "cruise_rate",
 )
 
 

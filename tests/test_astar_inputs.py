@@ -10,6 +10,7 @@ from usvjax.errors import BadInputError as BadInput
 from usvjax.errors import BadTypeError as BadType
 from usvjax.maps import GridMap
 from usvjax.search import inputs as search_inputs
+from usvjax.search import sweeping
 from usvjax.search.inputs import check_memory, search_scene
 
 # The module: `usvjax.search.astar` may name the function that it holds.
@@ -165,6 +166,10 @@ def test_wrong_shapes(name: str, value: Any, message: str | None) -> None:
         ({"turn_cost": -0.5}, BadInput, "turn_cost: got -0.5; wanted 0 or more"),
         ({"turn_cost": 1e9}, BadInput, r"turn_cost: got 1000000000.0; wanted at most 1000"),
         ({"turn_cost": "0.5"}, BadType, "turn_cost: got '0.5'; wanted a number"),
+        ({"turn_cost": 1e-5}, BadInput, "turn_cost: got 1e-05; wanted 0, or more than 1/4756"),
+        ({"corner_cutting": "false"}, BadType, "corner_cutting: got 'false'; wanted True or Fal"),
+        ({"corner_cutting": 2}, BadType, "corner_cutting: got 2; wanted True or False"),
+        ({"connectivity": np.array([4, 8])}, BadType, "connectivity: got array"),
         ({"max_expansions": 0}, BadInput, "max_expansions: got 0; wanted 1 or more"),
         ({"max_expansions": 2.5}, BadType, "max_expansions: got 2.5; wanted a whole number"),
         ({"max_lanes": 0}, BadInput, "max_lanes: got 0; wanted 1 or more"),
@@ -194,6 +199,25 @@ def test_a_map_too_large_for_memory(monkeypatch: pytest.MonkeyPatch) -> None:
         r"this machine has 3\.0 MiB left$"
     )
     assert_refused(BadInput, message, blocked=blocked, engine="queue")
+
+
+def test_sweeps_and_paths_that_memory_cannot_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = search_scene(np.zeros((400, 500), bool), STARTS, GOALS)
+    table = sweeping._Table.empty(3)
+    table.path_length[:] = 9
+    assert table.paths(scene).path.shape == (3, 9, 2)
+    monkeypatch.setattr(search_inputs, "free_memory", lambda: 200)
+    with pytest.raises(BadInput, match="starts: 3 paths of up to 9 cells needs 216 bytes"):
+        table.paths(scene)
+    none = np.zeros((0, 9, 2), np.int32)
+    block = astar_module._Block(
+        *np.zeros((3, 0), np.int32), astar_module.Paths(none, *np.zeros((3, 0)))
+    )
+    with pytest.raises(BadInput, match="starts: 3 paths of up to 9 cells needs"):
+        astar_module._collected(scene, [block], 0.0)
+    said = "^blocked: searches of 3 queries on 500 x 400 cells needs .* MiB"
+    with pytest.raises(BadInput, match=said):
+        sweeping.sweep_paths(scene)
 
 
 def test_memory_is_compared_and_read() -> None:

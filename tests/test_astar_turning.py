@@ -30,7 +30,7 @@ def assert_costs_are_those_of_the_paths(found: AstarResult, turn_cost: float) ->
         length = np.hypot(*np.diff(path, axis=0).T).sum()
         turns = turning([tuple(cell) for cell in path.tolist()])
         assert found.turning[row] == pytest.approx(turns * np.pi / 4)
-        assert found.cost[row] == pytest.approx(length + turn_cost * turns)
+        assert found.cost[row] == pytest.approx(length + turn_cost * turns, abs=1e-9)
 
 
 @pytest.mark.parametrize("turn_cost", [0.5, 2.0])
@@ -95,6 +95,14 @@ def test_a_turn_costs_by_its_angle() -> None:
     found = astar(blocked, [0, 0], [4, 2], turn_cost=0.5)
     assert found.turning[0] == pytest.approx(np.pi / 2)
     assert found.cost[0] == pytest.approx(6 + 2 * 0.5)
+
+
+def test_the_cost_is_with_the_turning_cost_that_was_searched_with() -> None:
+    found = search(turn_cost=0.3)
+    assert_costs_are_those_of_the_paths(found, 713 / 2378)
+    there = found.status == Status.FOUND
+    queue = search(engine="queue").cost
+    assert (found.cost[there] >= queue[there] - 1e-9).all()
 
 
 def test_no_turn_cost_is_plain_search() -> None:

@@ -65,6 +65,7 @@ def test_the_shortest_route_round_the_wall(chart, tmp_path, capsys):
     assert found["length_m"] == pytest.approx(SIZE * cells)
     assert found["min_clearance_m"] == pytest.approx(SIZE / 2)
     assert found["turns"] == found["sharp_turns"] >= 2
+    assert found["sailable"] is False
     assert found["expanded"] >= 19
     assert found["seconds"] > 0
     head, *lines = (tmp_path / "route.csv").read_text().splitlines()
@@ -90,6 +91,7 @@ def test_a_turning_radius_smooths_and_draws(chart, tmp_path, capsys):
     found = answer(capsys, chart, *args)
     assert found["method"] == "smoothed"
     assert found["sharp_turns"] == 0
+    assert found["sailable"] is True
     assert found["turns"] >= 2
     assert 0 < found["min_clearance_m"] < SIZE / 2
     assert found["plot"] == str(picture)
@@ -138,8 +140,26 @@ def test_no_route_is_a_status_and_another_exit_code(chart, tmp_path, capsys):
         (("--from", "2,3", "--to", "2,3"), "--to: 2,3 is the cell of --from"),
         (("--from", "1,1", "--to", "2,3", "--method", "smoth"), "--method: got 'smoth'"),
         (("--from", "1,1", "--to", "2,3", "--turning-radius", "900"), "at most 800 m"),
-        (("--from", "1,1", "--to", "2,3", "--turning-radius", "0"), "'turning_radius' must be"),
-        (("--from", "1,1", "--to", "2,3", "--weight", "0.2"), "'weight' must be at least 1"),
+        (
+            ("--from", "1,1", "--to", "2,3", "--turning-radius", "0"),
+            "usvjax: --turning-radius must",
+        ),
+        (
+            ("--from", "1,1", "--to", "2,3", "--weight", "0.2"),
+            "usvjax: --weight must be at ",
+        ),
+        (("--from", "1,1", "--to", "2,3", "--turn-cost=-1"), "usvjax: --turn-cost must be 0, or"),
+        (
+            ("--from", "1,1", "--to", "2,3", "--max-expansions", "0"),
+            "usvjax: --max-expansions",
+        ),
+        (("--from", f"{10**20},3", "--to", "1,1"), f"--from: {10**20},3 lies outside the map"),
+        (("--from", f"{10**400},3", "--to", "1,1"), "3 lies outside the map; wanted 0 <= X < 16"),
+        (("--from", "1e300,3", "--to", "1,1", "--metres"), "--from: 1e300,3 lies outside the map"),
+        (("--from", "1,1"), "Missing from usvjax route: --to X,Y"),
+        (("--from", "1,1", "--to", "2,3", "--connectivity", "6"), "invalid choice '6'"),
+        (("--from", "1,1", "--to", "2,3", "--bogus"), "Unrecognized options: --bogus"),
+        (("--from", "1,1", "--to", "2,3", "--weight", "x"), "could not convert string to float"),
         (("--from", "1,1", "--to", "2,3", "--inflate", "-1"), "--inflate: got -1"),
         (("--from", "1,1", "--to", "2,3", "--inflate", "9999"), "the map has no free cell"),
         (("--from", "1,1", "--to", "2,3", "--plot", "a.gif"), "a.gif: suffix '.gif'"),

@@ -150,14 +150,21 @@ def test_messages_of_several_lines_become_one(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    "args",
-    [["study"], ["study", "a.toml", "--devices", "x"], ["study", "a.toml", "--nope"], ["maps"]],
+    ("args", "words"),
+    [
+        (["study"], "Missing from usvjax study: FILE.toml"),
+        (["study", "a.toml", "--devices", "x"], "'x'"),
+        (["study", "a.toml", "--nope"], "Unrecognized options: --nope (see usvjax study --help)"),
+        (["maps"], "Expected one of {list, show, convert, draw}. (see usvjax maps --help)"),
+        (["maps", "shw"], "Unrecognized options: shw"),
+    ],
 )
-def test_errors_of_usage_exit_2(args, capsys):
-    with pytest.raises(SystemExit) as left:
-        main(args)
-    assert left.value.code == 2
-    assert capsys.readouterr().out == ""
+def test_errors_of_usage_are_one_line_and_exit_2(args, words, capsys):
+    assert main(args) == 2
+    said = one_line(capsys)
+    assert words in said
+    assert not set("│─╭╮").intersection(said)
+    assert "--- " not in said
 
 
 def test_unknown_commands_name_the_nearest(capsys):

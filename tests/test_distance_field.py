@@ -158,7 +158,12 @@ FREE = np.zeros((4, 6), bool)
         ({"blocked": FREE[:0]}, uj.BadInputError, r"blocked: got shape \(0, 6\), which has no cel"),
         ({"blocked": FREE[0]}, uj.BadInputError, r"blocked: got shape \(6,\)"),
         ({"connectivity": 6}, uj.BadInputError, "connectivity: got 6; wanted 4 or 8"),
-        ({"connectivity": True}, uj.BadInputError, "connectivity: got True; wanted 4 or 8"),
+        ({"connectivity": True}, uj.BadTypeError, "connectivity: got True; wanted a whole num"),
+        (
+            {"connectivity": np.array([4, 8])},
+            uj.BadTypeError,
+            "connectivity: got array.*; wanted a whole number",
+        ),
         ({"corner_cutting": 1}, uj.BadTypeError, "corner_cutting: got 1; wanted True or False"),
         ({"on_blocked": "skip"}, uj.BadInputError, "on_blocked: got 'skip'"),
     ],

@@ -192,6 +192,21 @@ def test_weights(value: Any, error: type[Exception]) -> None:
     assert_refused(error, "^weight: got", heuristic="weighted_octile", weight=value)
 
 
+@pytest.mark.parametrize(
+    ("given", "used"), [((10001, 10001), (9, 11)), ((3, 10001), (3, 11)), (None, None)]
+)
+def test_a_window_is_no_larger_than_what_sees_the_whole_map(
+    given: Any, used: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tasks: list[Any] = []
+    monkeypatch.setattr(replanning, "_sail", tasks.append)
+    sail(sensing=given)
+    assert tasks[0].static.sensing == used
+    thin = {"blocked": np.zeros((1, 9), bool), "starts": [0, 0], "goals": [5, 0]}
+    sail(**thin, flips=np.full((1, 2, 1, 2), -1), sensing=given)
+    assert tasks[1].static.sensing == (given and (3, min(17, given[1])))
+
+
 # --- sizes --------------------------------------------------------------------------------------
 
 

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 from math import hypot, sqrt
 from types import SimpleNamespace
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from corner_grids import grids, shortest
 
+import usvjax as uj
 from experiments import textbook
 from experiments.textbook import Rules
 from experiments.wei2023 import __main__ as wei
@@ -17,10 +19,11 @@ from experiments.wei2023 import paths as wei_paths
 from experiments.wei2023 import scenes as wei_scenes
 from experiments.wei2023 import verdicts as wei_verdicts
 from experiments.yu2022 import __main__ as yu
-from experiments.yu2022 import compare as yu_compare
-from experiments.yu2022 import plans as yu_plans
-from experiments.yu2022 import verdicts as yu_verdicts
-from experiments.yu2022.expansion import expanded_cells
+from experiments.yu2022.heuristic import compare as yu_compare
+from experiments.yu2022.heuristic import plans as yu_plans
+from experiments.yu2022.heuristic import run as yu_run
+from experiments.yu2022.heuristic import verdicts as yu_verdicts
+from experiments.yu2022.heuristic.expansion import expanded_cells
 from experiments.zhang2019 import __main__ as zhang
 from experiments.zhang2019 import compare as zhang_compare
 from experiments.zhang2019 import runs as zhang_runs
@@ -300,8 +303,9 @@ def small_zhang(patch):
 
 def small_yu(patch):
     patch.setattr(yu_plans, "dstar_lite", replanned)
-    small = yu.Plan(4, plans=yu_plans.PLANS[:1], episodes=yu_plans.EPISODES[:1])
-    patch.setattr(yu, "_plan", lambda options: small)
+    patch.setattr(yu_run, "PLANS", yu_plans.PLANS[:1])
+    patch.setattr(yu_run, "EPISODES", yu_plans.EPISODES[:1])
+    patch.setattr(yu, "_plan", lambda options: [partial(yu_run.run, 4, 2022, True)])
 
 
 def small_wei(patch):
@@ -323,11 +327,11 @@ def test_a_run_writes_report_numbers_and_figures(program, small, figures, tmp_pa
     with jax.default_device(jax.local_devices()[0]):
         assert program.main(["--quick", "--out", str(tmp_path)]) == 0
     found = json.loads((tmp_path / "results.json").read_text())
-    assert found["format"] == 1
+    assert found["settings"]["usvjax"] == uj.__version__
     text = (tmp_path / "README.md").read_text()
-    headings = [line for line in text.splitlines() if line.startswith("## ")]
-    assert headings[0] == "## Summary"
-    assert headings[1].startswith("## Verdict on each")
+    headings = [line.strip("# ") for line in text.splitlines() if line.startswith("##")]
+    assert headings[0] == "Summary"
+    assert any(heading.startswith("Verdict") for heading in headings)
     assert "nan" not in text
     assert "None" not in text
     for verdict in found["verdicts"]:

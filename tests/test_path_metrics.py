@@ -2,13 +2,17 @@
 
 from itertools import pairwise
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from usvjax.paths.metrics import path_metrics
+from usvjax.paths.points import sample_pieces
 from usvjax.paths.turns import smooth_turns
+from usvkernels.paths import arcs
 
 
 def test_a_path_by_hand() -> None:
@@ -20,8 +24,8 @@ def test_a_path_by_hand() -> None:
     assert found.curvature[0] == pytest.approx(2 * np.sin(np.pi / 4) / 350, rel=1e-6)
     # Zhang: 13 units of 100 m ahead, two turns of 90 degrees at 0.5 for every 45.
     assert found.energy[0] == pytest.approx(15, rel=1e-6)
-    assert np.isnan(found.length[1])
-    assert np.isnan(found.energy[1])
+    for name in ("length", "turning", "curvature", "energy"):
+        assert np.isnan(getattr(found, name)).tolist() == [False, True], name
     assert found.clearance is None
     dear = path_metrics(path, [6, 0], cell_size=100.0, turn_cost=2.0, energy_unit=1300.0)
     assert dear.energy[0] == pytest.approx(1 + 8, rel=1e-6)
@@ -82,3 +86,58 @@ def test_clearance_on_a_blocked_cell_and_without_any() -> None:
     found = path_metrics(path, None, blocked)
     assert found.clearance is not None
     assert found.clearance.tolist() == [0, np.inf]
+    lost = path_metrics(path, [2, 0], blocked).clearance
+    assert lost is not None
+    assert lost[0] == 0
+    assert np.isnan(lost[1])
+    far = path_metrics(path, None, np.roll(blocked, 7, axis=2), clearance_limit=1e12).clearance
+    assert far is not None
+    assert far.tolist() == [2.5, np.inf]
+
+
+def staircases(steps: int) -> np.ndarray:
+    """Eight paths of random steps north, east and north-east, float64[8, steps + 1, 2]."""
+    step = np.array([[0, 1], [1, 0], [1, 1]])[np.random.default_rng(5).integers(0, 3, (8, steps))]
+    return np.pad(np.cumsum(step, axis=1), ((0, 0), (1, 0), (0, 0))) + 0.5
+
+
+def test_samples_of_many_pieces_end_where_the_path_ends() -> None:
+    """Sums of more than 256 lengths differ by their order, padding's from those of pieces."""
+    paths = staircases(1100) + 20.0
+    step = np.diff(paths, axis=1)
+    length = np.hypot(step[..., 0], step[..., 1]).astype(np.float32)
+    heading = np.arctan2(step[..., 1], step[..., 0])
+    pieces = (paths[:, :-1], heading, length, np.zeros_like(length))
+    points, course, _, counts = sample_pieces(pieces, 0.5, 4096)
+    for row in range(8):
+        got = points[row, : counts[row]]
+        np.testing.assert_allclose(got[-1], paths[row, -1], atol=1e-3)
+        assert (points[row, counts[row] :] == got[-1]).all()
+        assert course[row, counts[row] - 1] == pytest.approx(heading[row, -1], abs=1e-5)
+        ends = np.append(0.0, np.cumsum(np.hypot(step[row, :, 0], step[row, :, 1])))
+        place = np.minimum(0.5 * np.arange(len(got)), ends[-1])
+        for axis in range(2):
+            wanted = np.interp(place, ends, paths[row, :, axis])
+            np.testing.assert_allclose(got[:, axis], wanted, atol=2e-3)
+
+
+def test_samples_end_on_the_last_piece_that_there_is() -> None:
+    length = jnp.array([[3.0, 0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0]], jnp.float32)
+    start = jnp.array([[0.0, 0], [3, 0], [3, 0], [9, 9], [9, 9]], jnp.float32)
+    path = arcs.Primitives(jnp.stack([start] * 2), jnp.zeros((2, 5)), length, jnp.zeros((2, 5)))
+    points, _, _, counts = jax.jit(arcs.sample, static_argnums=2)(path, 2.0, 4)
+    assert counts.tolist() == [4, 1]
+    assert points[0].tolist() == [[0, 0], [2, 0], [4, 0], [5, 0]]
+
+
+def test_clearance_of_long_paths_against_brute_force() -> None:
+    paths = staircases(330) + np.array([0, 8])
+    blocked = np.zeros((340, 340), bool)
+    blocked[0, 2] = blocked[0, 0] = True
+    blocked[200:210, 150] = blocked[300, 220] = True
+    found = path_metrics(paths, None, blocked, clearance_limit=500.0).clearance
+    assert found is not None
+    for row in range(8):
+        wanted = nearest_cell(blocked, paths[row])
+        assert wanted - 0.5 <= found[row] <= wanted + 1e-3
+        assert found[row] > 0

@@ -110,7 +110,7 @@ def test_north_is_up():
     assert not fig.axes[0].xaxis_inverted()
 
 
-def test_a_long_source_is_folded_and_stays_in_the_axes():
+def test_a_long_source_is_folded_and_stands_below_the_axes():
     blocked = np.zeros((30, 20), bool)
     grid = GridMap(blocked, 1.0, attribution="Survey of the Ponds (2024), CC-BY-4.0; " * 20)
     fig = plots.plot_map(grid)
@@ -119,8 +119,12 @@ def test_a_long_source_is_folded_and_stays_in_the_axes():
     assert note.get_text().startswith("Survey of the Ponds (2024)")
     assert note.get_text().endswith("...")
     box, axes = note.get_window_extent(), fig.axes[0].get_window_extent()
-    assert axes.x0 + 0.3 * axes.width < box.x0
-    assert box.x1 <= axes.x1
+    assert axes.x0 < box.x0
+    assert box.x1 <= axes.x1 + 1
+    labels = fig.axes[0].xaxis.get_tightbbox()
+    assert box.y1 <= labels.y0
+    (legend,) = fig.legends
+    assert legend.get_window_extent().y1 <= box.y0
     assert_inside(fig)
 
 

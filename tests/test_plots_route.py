@@ -17,7 +17,7 @@ from usvjax.cli import main
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, random_maps, save_map
 from usvjax.plots import style
-from usvjax.plots.route import busiest, closeup_width, view_around
+from usvjax.plots.route import busiest, closeup_width, length_words, view_around
 from usvjax.search.astar import astar
 from usvjax.search.replanning import dstar_lite
 from usvjax.study import load_run, load_spec, run_study
@@ -133,32 +133,19 @@ def test_figures_refuse_what_they_cannot_draw(call, words):
         call()
 
 
-def test_corners_bend_by_their_discrete_curvature():
-    bends = plots.bends_of(ROUTE)
-    diagonal = 40 * math.sqrt(2)
-    assert bends.at_corners
-    np.testing.assert_allclose(bends.distance, [200, 200 + diagonal])
-    sharp = 2 * math.sin(math.pi / 8)
-    first, second = (200 + diagonal) / 2, (diagonal + 180) / 2
-    np.testing.assert_allclose(bends.curvature, [-sharp / first, -sharp / second])
+def test_routes_that_are_the_same_can_be_told_apart():
+    way = {"astar": ROUTE, "weighted": ROUTE.copy(), "smoothed": ROUTE[::3]}
+    fig = plots.plot_routes(chart(), way)
+    texts = legend_texts(fig)
+    assert sum(text.endswith("(same as astar)") for text in texts) == 1
+    assert texts[3] == "weighted: 436.6 m (same as astar)"
+    widths = [line.get_linewidth() for line in fig.axes[0].lines if len(line.get_xdata()) > 1]
+    assert widths[0] > widths[1] == widths[2]
 
 
-def test_a_circle_bends_by_one_over_its_radius():
-    angle = np.linspace(0, np.pi, 100)
-    circle = 30.0 * np.column_stack([np.cos(angle), np.sin(angle)])
-    np.testing.assert_allclose(plots.bends_of(circle).curvature, 1 / 30.0, rtol=1e-6)
-    curve = plots.bends_of(circle, np.full(100, 1 / 30.0))
-    fig = plots.plot_curvature({"astar": plots.bends_of(ROUTE), "smoothed": curve}, 30.0)
-    top, bottom = fig.axes
-    for ax in (top, bottom):
-        bounds = {round(float(line.get_ydata()[0]), 9) for line in ax.lines}
-        assert {round(1 / 30.0, 9), -round(1 / 30.0, 9)} <= bounds
-        assert ax.get_ylim() == top.get_ylim()
-    assert bottom.get_title(loc="right") == "smoothed: curvature up to 1.00 / R"
-    assert "discrete curvature" in top.get_title(loc="right")
-    assert bottom.get_xlabel() == "distance along the route (m)"
-    assert legend_texts(fig) == ["bounds of a turning radius R = 30 m"]
-    assert_inside(fig)
+def test_lengths_have_the_same_digits():
+    words = [length_words(m) for m in (145_000.0, 152_910.0, 5000.0, 4999.0, 120.0)]
+    assert words == ["145.0 km", "152.9 km", "5.000 km", "4999 m", "120.0 m"]
 
 
 def test_expanded_cells_bound_what_the_searches_expand():
@@ -335,7 +322,7 @@ def test_methods_over_several_conditions_have_a_legend():
             "condition": c,
             "job": j,
             "method": m,
-            "status": int(Status.FOUND),
+            "status": int(Status.UNREACHABLE if c == 2 and j < 2 else Status.FOUND),
             "ratio": 1.0 + 0.01 * j,
             "turns": j,
             "expanded": 10 + j,
@@ -349,5 +336,8 @@ def test_methods_over_several_conditions_have_a_legend():
     )
     assert legend_texts(fig) == ["astar", "turning"]
     ticks = [label.get_text() for label in fig.axes[3].get_xticklabels()]
-    assert ticks == ["density 0.0", "density 0.1", "density 0.2"]
+    assert ticks == [f"density 0.{c}\nn = {n}" for c, n in enumerate((6, 6, 4))]
+    shares = [label.get_text() for label in fig.axes[0].get_xticklabels()]
+    assert shares == ["density 0.0", "density 0.1", "density 0.2"]
+    assert fig.get_suptitle() == "boxes over the n of 6 queries that every method solved"
     assert_inside(fig)

@@ -111,6 +111,15 @@ def test_methods_keep_what_they_promise(rows):
         np.testing.assert_array_equal(rows[name]["expanded"], rows["astar"]["expanded"])
 
 
+def test_a_route_is_sailable_where_no_turn_is_too_sharp(rows):
+    for row in rows.values():
+        there = row["status"] != Status.UNREACHABLE
+        np.testing.assert_array_equal(row["sailable"], there & (row["sharp_turns"] == 0))
+    shares = {m: r["sailable"][r["status"] == Status.FOUND].mean() for m, r in rows.items()}
+    assert 0 < shares["smoothed"] < 1
+    assert shares["smoothed"] > shares["shortened"]
+
+
 def test_the_cost_is_length_and_turning(rows):
     for row in rows.values():
         there = row["status"] == Status.FOUND
@@ -238,7 +247,8 @@ def test_shipped_studies_can_be_read(name, request):
         ("maps", {"source": "lattice"}, "unknown source 'lattice'"),
         ("maps", {"rate": 0.1}, "unknown key 'rate'"),
         ("search", {"weight": 0.5}, "'weight' must be at least 1"),
-        ("search", {"turn_cost": -0.5}, "'turn_cost' must lie between"),
+        ("search", {"turn_cost": -0.5}, "'turn_cost' must be 0, or above"),
+        ("search", {"turn_cost": 1e-5}, "'turn_cost' must be 0, or above"),
         ("search", {"connectivity": 6}, "'connectivity' must be 4 or 8"),
         ("search", {"max_expansions": 0}, "'max_expansions' must be at least 1"),
         ("smoothing", {"turning_radius": 0.0}, "'turning_radius' must be above 0"),

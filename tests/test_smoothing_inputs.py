@@ -8,6 +8,7 @@ import pytest
 
 import usvjax as uj
 from usvjax.paths import blocks as path_blocks
+from usvjax.paths import tracking as path_tracking
 from usvjax.paths.metrics import path_metrics
 from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
 from usvjax.paths.tracking import track_paths
@@ -19,6 +20,7 @@ NAN, INF = float("nan"), float("inf")
 CELLS = np.array([[[0, 0], [1, 1], [2, 1]], [[3, 3], [4, 3], [4, 4]]])
 METRES = CELLS + 0.5
 WATER = np.zeros((8, 10), bool)
+NO_MEASURES = (np.zeros(2),) * 4
 LAKE = uj.GridMap(WATER, cell_size=2.0)
 
 
@@ -124,7 +126,7 @@ def test_maps(
     refused(function, error, said, blocked=blocked)
 
 
-@pytest.mark.parametrize("function", [*ON_WATER, track_paths])
+@pytest.mark.parametrize("function", ON_MAPS)
 @pytest.mark.parametrize("cell", [(10, 0), (-1, 0), (0, 8), (0, -1)])
 def test_paths_that_leave_the_map(function: Callable[..., Any], cell: tuple[int, int]) -> None:
     paths = CELLS.copy()
@@ -163,6 +165,69 @@ def test_long_segments_through_blocked_cells() -> None:
         call(smooth_turns, paths=across + np.array([[0, 0], [0, -3], [0, -3]]), blocked=blocked)
 
 
+@pytest.mark.parametrize("function", EVERY)
+@pytest.mark.parametrize("far", [2**40, -(2**32) - 3, 2**31])
+def test_cells_that_no_map_has(function: Callable[..., Any], far: int) -> None:
+    """They are refused before they are cut to 32 bits, where 2^32 would be cell 0."""
+    paths = CELLS.astype(np.int64)
+    paths[1, 1, 0] = far
+    refused(function, BadInput, r"paths: point 1 of row 1 is \(.*; wanted coordinates", paths=paths)
+
+
+@pytest.mark.parametrize("function", [redensify, bspline, smooth_turns, path_metrics, track_paths])
+@pytest.mark.parametrize("far", [1e12, -1e30])
+def test_points_that_are_nowhere(function: Callable[..., Any], far: float) -> None:
+    paths = METRES.copy()
+    paths[0, 1, 1] = far
+    refused(function, BadInput, "paths: point 1 of row 0 is .*; wanted coordinates", paths=paths)
+    if function is path_metrics:
+        said = "paths: point 1 of row 0 is"
+        refused(function, BadInput, said, paths=paths, blocked=None)
+
+
+@pytest.mark.parametrize("function", ON_WATER)
+@pytest.mark.parametrize("value", ["false", 2, 0, None])
+def test_corner_cutting_is_true_or_false(function: Callable[..., Any], value: Any) -> None:
+    said = f"corner_cutting: got {value!r}; wanted True or False"
+    refused(function, BadType, said, corner_cutting=value)
+
+
+def test_more_points_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 50_000)
+    refused(bspline, BadInput, r"samples: got 1,000; 2 x 1,000 points needs", samples=1000)
+    refused(redensify, BadInput, r"unit: got 0\.001 m; 2 x \d+ points needs", unit=0.001)
+    refused(bspline, BadInput, "samples: got 1,000,000,000,000; wanted at most", samples=10**12)
+    said = r"spacing: 0\.001 m: 2 x 4096 samples needs"
+    refused(track_paths, BadInput, said, spacing=0.001)
+    slow = TrackParams(speed=1e-3)
+    said = r"params: speed 0\.001 m/s and dt 0\.05 s, .* make .* control periods; tracking 2 paths"
+    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 2**20)
+    smooth = {"paths": METRES, "curvature": np.zeros((2, 3)), "params": slow}
+    refused(track_paths, BadInput, said, **smooth)
+    slow = TrackParams(speed=1e-6)
+    refused(track_paths, BadInput, "wanted fewer than 16,777,216", **{**smooth, "params": slow})
+
+
+def test_clearance_of_more_points_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(path_blocks, "share_out", lambda work, items, devices: [NO_MEASURES])
+    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 8000)
+    said = r"paths: clearance at points 0\.5 m apart: 2 x 64 samples needs 8\.0 KiB"
+    refused(path_metrics, BadInput, said)
+
+
+@pytest.mark.parametrize(("cell_size", "wanted"), [(1.0, 0.75), (5.0, 1.0), (250.0, 50.0)])
+def test_spacing_of_tracks_goes_with_the_cells(
+    cell_size: float, wanted: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(_: float, spacing: float, *__: object) -> None:
+        raise ComputeError(spacing)
+
+    monkeypatch.setattr(path_tracking, "sample_room", stop)
+    with pytest.raises(ComputeError) as caught:
+        call(track_paths, cell_size=cell_size)
+    assert caught.value.args == (wanted,)
+
+
 @pytest.mark.parametrize("name", ["turning_radius", "safety_range"])
 @pytest.mark.parametrize(
     ("value", "error", "said"),
@@ -188,6 +253,8 @@ def test_radius(name: str, value: Any, error: type[Exception], said: str) -> Non
         (smooth_turns, {"spacing": 0.0}, BadInput, "spacing: got 0.0; wanted a number above 0"),
         (smooth_turns, {"repair": -1}, BadInput, "repair: got -1; wanted 0 or more"),
         (smooth_turns, {"repair": 1.5}, BadType, "repair: got 1.5; wanted a whole number"),
+        (smooth_turns, {"cell_size": 1e30}, BadInput, "cell_size: got 1e.30 m; wanted 1e-06 to"),
+        (smooth_turns, {"origin": (0, 1e12)}, BadInput, "origin: .* at most 1,000,000,000 m"),
         (smooth_turns, {"cell_size": 0}, BadInput, "cell_size: got 0; wanted a number above 0"),
         (smooth_turns, {"origin": 3.0}, BadType, "origin: got 3.0; wanted two numbers"),
         (smooth_turns, {"blocked": LAKE, "cell_size": 1.0}, BadInput, "cell_size: .* GridMap"),

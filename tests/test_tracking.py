@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from usvjax.errors import BadInputError
 from usvjax.paths.tracking import track_paths
 from usvjax.paths.turns import smooth_turns
 from usvkernels.paths.tracking import TrackParams
@@ -79,3 +80,15 @@ def test_rows_without_a_path_and_leaving_the_map() -> None:
     assert track.collided.tolist() == [True, False]
     assert track.arrived.tolist() == [True, False]
     assert track.time[1] == 0
+
+
+def test_smoothed_rows_without_a_path_can_be_tracked() -> None:
+    """Their samples and curvatures are nan, which counts for nothing."""
+    path = np.repeat(SHARP, 2, axis=0)
+    turns = smooth_turns(path, [3, 0], OPEN, turning_radius=RADIUS, cell_size=CELL, spacing=0.5)
+    assert np.isnan(turns.curvature[1]).all()
+    track = track_paths(turns.points, turns.counts, OPEN, curvature=turns.curvature, cell_size=CELL)
+    assert track.arrived.tolist() == [True, False]
+    wrong = np.where([[False], [True]], 0.0, turns.curvature * np.nan)
+    with pytest.raises(BadInputError, match="curvature: nan at index"):
+        track_paths(turns.points, turns.counts, OPEN, curvature=wrong, cell_size=CELL)

@@ -14,6 +14,7 @@ from benchmarks.turning_corners import (
     random_corners,
     smooth,
 )
+from usvjax.errors import BadInputError
 from usvjax.paths.smoothing import key_points
 from usvjax.paths.turns import SmoothTurns, smooth_turns
 from usvkernels.paths.turning import Turn
@@ -314,5 +315,32 @@ def test_rows_without_a_path() -> None:
     found = smooth_turns(path, [0, 1, 3], OPEN, turning_radius=2.0)
     assert found.fitted.tolist() == [False, True, True]
     assert found.counts[0] == 0
-    assert found.length[:2].tolist() == [0, 0]
+    assert found.length[1] == 0
     assert (found.points[1] == [5.5, 5.5]).all()
+    assert found.turning[1] == found.curvature_bound[1] == 0
+    for name in ("length", "turning", "curvature_bound", "points", "heading", "curvature"):
+        missing = np.isnan(getattr(found, name))
+        assert missing[0].all(), name
+        assert not missing[1:].any(), name
+    assert np.isnan(found.corners[0]).all()
+    assert np.isnan(found.pieces.start[~found.pieces.valid]).all()
+    assert found.pieces.length[0].sum() == 0
+
+
+def test_more_samples_than_there_can_be_are_refused_by_what_asked_for_them() -> None:
+    path = np.array([[[5.0, 5.0], [9.0, 5.0], [9.0, 20.0]]])
+    said = "^turning_radius: got 1e-09 m; samples R / 5 apart, for want of a spacing: that makes"
+    with pytest.raises(BadInputError, match=said):
+        smooth_turns(path, None, OPEN, turning_radius=1e-9)
+    with pytest.raises(
+        BadInputError, match=r"^spacing: got 1e-07 m: that makes 1\.\d+e\+08 samples"
+    ):
+        smooth_turns(path, None, OPEN, turning_radius=2.0, spacing=1e-7)
+
+
+def test_a_path_has_two_samples_however_far_apart_they_may_be() -> None:
+    path = np.array([[[5.0, 5.0], [9.0, 5.0], [9.0, 20.0]]] * 2)
+    found = smooth_turns(path, [3, 1], OPEN, turning_radius=2.0, spacing=1e9)
+    assert found.counts.tolist() == [2, 1]
+    np.testing.assert_array_equal(found.points[0], path[0, [0, 2]])
+    np.testing.assert_allclose(found.heading[0], [0, np.pi / 2], atol=1e-5)

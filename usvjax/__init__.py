@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from usvjax.devices import use_all_cores
 
 if TYPE_CHECKING:
+    from usvjax.cruises import CruiseResult, cruise
     from usvjax.errors import BadInputError, BadTypeError
     from usvjax.maps import (
         GridMap,
@@ -33,11 +34,14 @@ if TYPE_CHECKING:
     )
     from usvjax.paths.tracking import Tracks, track_paths
     from usvjax.paths.turns import PathPieces, SmoothTurns, smooth_turns
+    from usvjax.planners import PlanResult, plan_paths
     from usvjax.presets import PRESETS, DwaPreset, fit_window, preset
     from usvjax.search.astar import AstarResult, astar
     from usvjax.search.distance import distance_field
     from usvjax.search.replanning import DstarLiteResult, dstar_lite
     from usvjax.study import load_run, run_study
+    from usvjax.swarms import MinimiseResult, minimise
+    from usvjax.tours import TourResult, optimal_tour, solve_tour, tour_length
     from usvkernels.dwa import DwaParams, DwaStatic
     from usvkernels.paths.tracking import TrackParams
     from usvkernels.paths.turning import Turn
@@ -50,6 +54,7 @@ __all__ = [
     "AstarResult",
     "BadInputError",
     "BadTypeError",
+    "CruiseResult",
     "DensePaths",
     "DstarLiteResult",
     "DwaCandidates",
@@ -58,17 +63,21 @@ __all__ = [
     "DwaStatic",
     "GridMap",
     "KeyPaths",
+    "MinimiseResult",
     "NavigateResult",
     "PathMetrics",
     "PathPieces",
+    "PlanResult",
     "SmoothTurns",
     "Splines",
     "Status",
+    "TourResult",
     "TrackParams",
     "Tracks",
     "Turn",
     "astar",
     "bspline",
+    "cruise",
     "distance_field",
     "dstar_lite",
     "dwa_candidates",
@@ -78,9 +87,12 @@ __all__ = [
     "key_points",
     "load_map",
     "load_run",
+    "minimise",
     "navigate_dwa",
     "obstacle_table",
+    "optimal_tour",
     "path_metrics",
+    "plan_paths",
     "preset",
     "random_maps",
     "redensify",
@@ -88,11 +100,17 @@ __all__ = [
     "save_map",
     "shorten",
     "smooth_turns",
+    "solve_tour",
+    "tour_length",
     "track_paths",
     "use_all_cores",
 ]
 
 _HOME = {
+    "usvjax.cruises": ("CruiseResult", "cruise"),
+    "usvjax.planners": ("PlanResult", "plan_paths"),
+    "usvjax.swarms": ("MinimiseResult", "minimise"),
+    "usvjax.tours": ("TourResult", "optimal_tour", "solve_tour", "tour_length"),
     "usvjax.paths.metrics": (
         "PathMetrics",
         "path_metrics",

@@ -1,1 +1,1 @@
-"""Yu et al. 2022: an improved D* Lite between the targets of a tour."""
+"""Yu et al. 2022: a tour of targets, and an improved D* Lite between them."""

@@ -1,12 +1,13 @@
-"""Yu et al. 2022: Fig. 5, then the same on a thousand maps of each kind.
+"""Yu et al. 2022: the heuristic of D* Lite, whole cruises, and the swarms on test functions.
 
 Run it with ``usvjax reproduce yu2022`` or ``python -m experiments.yu2022``; ``--help`` lists the
 options.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from time import monotonic
 from typing import Annotated, Any
@@ -14,49 +15,33 @@ from typing import Annotated, Any
 import tyro
 
 import usvjax as uj
-from experiments.files import progress
 from experiments.program import begin, conclude
-from experiments.yu2022.compare import episodes, first_plans
-from experiments.yu2022.expansion import Cell, expanded_cells
-from experiments.yu2022.figures import draw as draw_figures
-from experiments.yu2022.plans import EPISODES, PLANS, Condition, Sailed, Scenes, draw, sail
-from experiments.yu2022.published import HEURISTICS
-from experiments.yu2022.report import markdown
-from experiments.yu2022.verdicts import judge
+from experiments.yu2022.cruises.run import run as run_cruises
+from experiments.yu2022.functions.run import run as run_functions
+from experiments.yu2022.heuristic.run import run as run_heuristic
+from experiments.yu2022.parts import Part, markdown
 from usvjax.errors import BadInputError
+
+SEED = 2022
 
 
 @dataclass(frozen=True)
 class Options:
-    """Regenerate Fig. 5 of Yu et al. 2022, and count expanded nodes on many maps.
+    """Regenerate the tables and figures of Yu et al. 2022 beside the published values.
 
     Attributes:
-        quick: A look in half a minute, on few maps and without the large ones.
+        quick: A look in a minute or two: few maps, one case, few runs.
         out: Folder for README.md, results.json and figures/. By default the checkout's
             experiments/results/yu2022, or runs/yu2022_quick with --quick.
-        maps: Random maps of each kind; 1,000, or 100 with --quick.
+        maps: Random maps of each kind for the heuristic; 1,000, or 100 with --quick.
+        runs: Cruises of each case, and runs on each test function; 1,000, or 24 with --quick.
+            Algorithms 1 to 3 sail at most 50, as printed.
     """
 
     quick: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     out: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
     maps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What to run.
-
-    Attributes:
-        seed: of the maps.
-        maps: of each kind.
-        plans: kinds of maps for first plans; the first is shown.
-        episodes: kinds of maps that change.
-    """
-
-    maps: int
-    seed: int = 2022
-    plans: tuple[Condition, ...] = PLANS
-    episodes: tuple[Condition, ...] = EPISODES
+    runs: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -74,70 +59,43 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     plan, folder = ready
     begun = monotonic()
-    conditions = (*plan.plans, *plan.episodes)
-    scenes = {c.label: draw(c, plan.maps, plan.seed) for c in conditions}
-    with progress("batches", len(scenes) * len(HEURISTICS)) as advance:
-        results = sail(scenes, advance)
-    first = plan.plans[0].label
-    expanded = _expanded(scenes[first])
+    parts = [run() for run in plan]
     found: dict[str, Any] = {
-        "format": 1,
-        "settings": {"usvjax": uj.__version__, **asdict(plan)},
-        "plans": {c.label: first_plans(results[c.label], plan.seed) for c in plan.plans},
-        "episodes": {c.label: episodes(results[c.label], plan.seed) for c in plan.episodes},
-        "shown": _shown(first, results[first], expanded),
+        "format": 2,
+        "settings": {"usvjax": uj.__version__, "seed": SEED, "quick": options.quick},
+        **{part.name: part.found for part in parts},
+        "verdicts": [asdict(verdict) for part in parts for verdict in part.verdicts],
     }
-    verdicts = judge(found)
-    found["verdicts"] = [asdict(verdict) for verdict in verdicts]
-    took = monotonic() - begun
+    done = ", ".join(part.done for part in parts)
     conclude(
         folder,
         found,
-        markdown(found),
-        lambda into: draw_figures(scenes[first], results[first], expanded, found, into),
-        ("Yu et al. 2022", verdicts),
-        f"{len(scenes) * len(HEURISTICS) * plan.maps:,} episodes in {took:,.0f} s",
+        markdown(parts),
+        lambda into: [file for part in parts for file in part.draw(into)],
+        ("Yu et al. 2022", [verdict for part in parts for verdict in part.verdicts]),
+        f"{done} in {monotonic() - begun:,.0f} s",
     )
     return 0
 
 
-def _plan(options: Options) -> Plan:
-    """Turn options into a plan.
+def _plan(options: Options) -> list[Callable[[], Part]]:
+    """Turn options into the parts to run.
 
     Raises:
-        BadInputError: fewer than one map.
+        BadInputError: fewer than one map or run.
     """
-    maps = options.maps
+    maps, runs, quick = options.maps, options.runs, options.quick
     if maps is not None and maps < 1:
         raise BadInputError(f"--maps: got {maps}; wanted at least 1 map of each kind")
-    if options.quick:
-        small = PLANS[0].side
-        few = tuple(condition for condition in PLANS if condition.side == small)
-        return Plan(maps or 100, plans=few)
-    return Plan(maps or 1000)
-
-
-def _expanded(scene: Scenes) -> dict[str, list[Cell]]:
-    """The cells that each heuristic expands on the first map."""
-    start, goal = (tuple(map(int, ends[0])) for ends in (scene.starts, scene.goals))
-    return {
-        heuristic: expanded_cells(scene.blocked[0], start, goal, heuristic)  # type: ignore[arg-type]
-        for heuristic in HEURISTICS
-    }
-
-
-def _shown(
-    label: str, sailed: dict[str, Sailed], expanded: dict[str, list[Cell]]
-) -> dict[str, Any]:
-    """What the figure shows, in numbers."""
-    return {
-        "condition": label,
-        "counts_agree": all(len(expanded[h]) == sailed[h].first[0] for h in HEURISTICS),
-        "heuristics": {
-            h: {"expanded": int(own.first[0]), "length": float(own.length[0])}
-            for h, own in sailed.items()
-        },
-    }
+    if runs is not None and runs < 1:
+        raise BadInputError(f"--runs: got {runs}; wanted at least 1 run of each case")
+    maps = maps or (100 if quick else 1000)
+    runs = runs or (24 if quick else 1000)
+    return [
+        partial(run_heuristic, maps, SEED, quick),
+        partial(run_cruises, runs, SEED, quick),
+        partial(run_functions, runs, SEED, quick),
+    ]
 
 
 if __name__ == "__main__":

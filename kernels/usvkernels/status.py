@@ -11,6 +11,7 @@ class Status(IntEnum):
     COLLIDED = 2
     STUCK = 3
     TIMED_OUT = 4
+    PARTIAL = 5  # home again, but not all stations were visited
     FOUND = 10  # a path; the searches' success
     UNREACHABLE = 11  # proven: no path
     OUT_OF_BUDGET = 12  # a bound on steps or on length was met first
@@ -19,3 +20,10 @@ class Status(IntEnum):
 
 EPISODE_ENDINGS = (Status.REACHED, Status.COLLIDED, Status.STUCK, Status.TIMED_OUT)
 SEARCH_ENDINGS = (Status.FOUND, Status.UNREACHABLE, Status.OUT_OF_BUDGET, Status.BLOCKED)
+CRUISE_ENDINGS = (
+    Status.REACHED,
+    Status.PARTIAL,
+    Status.UNREACHABLE,
+    Status.TIMED_OUT,
+    Status.OUT_OF_BUDGET,
+)

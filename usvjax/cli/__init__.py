@@ -4,11 +4,15 @@ A user's mistake is one line on stderr and exit code 2; Ctrl-C is 130. Each comm
 imported only when that command is asked for.
 """
 
+import contextlib
 import importlib
+import io
 import os
+import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial, wraps
 from typing import Any
 
 from usvjax.suggest import did_you_mean
@@ -81,7 +85,7 @@ def main(args: Sequence[str] | None = None) -> int:
         args: command and arguments; those of the process when None.
 
     Returns:
-        The exit code. `--help` and errors of usage leave through SystemExit instead.
+        The exit code. `--help` leaves through SystemExit instead.
     """
     from usvjax.errors import BadInputError, BadTypeError
 
@@ -120,12 +124,55 @@ def _run(name: str, rest: list[str]) -> int:
     target = getattr(importlib.import_module(command.module), command.name)
     if command.passes_on and rest and not rest[0].startswith("-"):
         return _exit_code(target(rest[0], *rest[1:]))
+    return _exit_code(_parsed(target, f"usvjax {name}", rest)())
+
+
+def _parsed(target: Any, prog: str, args: list[str]) -> Callable[[], Any]:
+    """Read the arguments of a command, which is only run by what is returned.
+
+    Raises:
+        BadInputError: the arguments are not those of the command; one sentence.
+    """
     import tyro
 
-    prog = f"usvjax {name}"
-    if isinstance(target, dict):
-        return _exit_code(tyro.extras.subcommand_cli_from_dict(target, prog=prog, args=rest))
-    return _exit_code(tyro.cli(target, prog=prog, args=rest))
+    from usvjax.errors import BadInputError
+
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            if isinstance(target, dict):
+                later = {name: _deferred(function) for name, function in target.items()}
+                call = tyro.extras.subcommand_cli_from_dict(later, prog=prog, args=args)
+            else:
+                call = tyro.cli(_deferred(target), prog=prog, args=args)
+    except SystemExit as stop:
+        if stop.code != EXIT_USAGE:
+            raise
+        raise BadInputError(f"{_in_one_line(said.getvalue())} (see {prog} --help)") from None
+    found: Callable[[], Any] = call
+    return found
+
+
+def _deferred(function: Callable[..., Any]) -> Callable[..., Callable[[], Any]]:
+    """The function, called in two steps: with its arguments, and then to run."""
+
+    @wraps(function)
+    def later(*args: Any, **kwargs: Any) -> Callable[[], Any]:
+        return partial(function, *args, **kwargs)
+
+    return later
+
+
+def _in_one_line(box: str) -> str:
+    """A message of the parser without its frame and its pointer to the help."""
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", box)
+    unframed = re.sub(r"[\u2500-\u257f]|-{3,}|^[|+]|[|+]$", " ", plain, flags=re.MULTILINE)
+    title, _, rest = unframed.strip(" \n-").partition("\n")
+    words = " ".join(re.split("For full helptext|Argument helptext", rest)[0].split())
+    sentence = re.sub(r" \.$", ".", words.replace(" (required)", ""))
+    if sentence.lower().startswith(title.strip().lower()):
+        return sentence
+    return f"{title.strip()}: {sentence}"
 
 
 def _exit_code(result: Any) -> int:

@@ -1,6 +1,7 @@
 """`usvjax route`: find one route on a map."""
 
 import json
+import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -144,7 +145,7 @@ class _Query:
         from usvjax.study.route_methods import check_options
 
         longest = self.grid.cell_size * max(self.grid.shape)
-        check_options(self.search, self.smoothing, longest, "usvjax route")
+        check_options(self.search, self.smoothing, longest, _as_option)
 
     def solve(self, method: str) -> "tuple[Routes, float]":
         """Return the route of a method, and the seconds that it took once compiled."""
@@ -162,6 +163,11 @@ class _Query:
         return found, seconds
 
 
+def _as_option(_: str, key: str) -> str:
+    """What a key of a study's tables is called on the command line."""
+    return f"--{key.replace('_', '-')}"
+
+
 def _free_cell(
     option: str, text: str, metres: bool, grid: GridMap, water: GridMap
 ) -> tuple[int, int]:
@@ -170,25 +176,31 @@ def _free_cell(
     Raises:
         BadInputError: naming the option.
     """
-    parts = text.split(",")
-    try:
-        numbers = [float(part) if metres else int(part) for part in parts]
-    except ValueError:
-        numbers = []
-    if len(numbers) != 2 or not np.isfinite(numbers).all():
-        wanted = "two numbers X,Y (m)" if metres else "two whole numbers X,Y (a cell); or --metres"
-        raise BadInputError(f"{option}: got {text!r}; wanted {wanted}")
-    x, y = grid.cells_of(numbers) if metres else np.asarray(numbers)
+    numbers = _two_numbers(option, text, metres)
     height, width = grid.shape
-    if not (0 <= x < width and 0 <= y < height):
-        west, east, south, north = grid.extent
-        wanted = f"0 <= X < {width} and 0 <= Y < {height}"
-        if metres:
-            wanted = f"{west:g} <= X < {east:g} and {south:g} <= Y < {north:g}"
+    # Compared as Python's numbers, which have no largest.
+    west, east, south, north = grid.extent if metres else (0, width, 0, height)
+    if not (west <= numbers[0] < east and south <= numbers[1] < north):
+        wanted = f"{west:g} <= X < {east:g} and {south:g} <= Y < {north:g}"
         raise BadInputError(f"{option}: {text} lies outside the map; wanted {wanted}")
+    cell = grid.cells_of(numbers) if metres else numbers
+    # A point just below an edge may be rounded up to it.
+    x, y = min(int(cell[0]), width - 1), min(int(cell[1]), height - 1)
     if water.blocked[y, x]:
         raise BadInputError(f"{option}: {text} is blocked; {_nearest(x, y, metres, water)}")
-    return int(x), int(y)
+    return x, y
+
+
+def _two_numbers(option: str, text: str, metres: bool) -> list[Any]:
+    """Read "X,Y": finite floats of metres, or whole numbers of any size."""
+    try:
+        numbers = [float(part) if metres else int(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 2 or not all(isinstance(n, int) or math.isfinite(n) for n in numbers):
+        wanted = "two numbers X,Y (m)" if metres else "two whole numbers X,Y (a cell); or --metres"
+        raise BadInputError(f"{option}: got {text!r}; wanted {wanted}")
+    return numbers
 
 
 def _nearest(x: int, y: int, metres: bool, water: GridMap) -> str:
@@ -264,6 +276,7 @@ def _rows(query: _Query, method: str, found: "Routes", seconds: float) -> list[_
             _Row("length_cells", "", cells, f"{cells:,.4f} cells"),
             _Row("turns", "turns", int(found.turns[0]), f"{int(found.turns[0]):,}"),
             _Row("sharp_turns", f"sharper than R = {radius:g} m", sharp, f"{sharp:,}"),
+            _Row("sailable", "sailable", sharp == 0, "no" if sharp else "yes"),
             _Row("turning_rad", "turning", turning, f"{turning:.4g} rad"),
             _Row(
                 "min_clearance_m",

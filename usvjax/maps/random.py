@@ -8,11 +8,11 @@ import numpy as np
 from usvjax import checks
 from usvjax.checks import whole_number
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.keys import as_key
 from usvkernels import grids
 
 # Cells drawn per call: bounds the memory of the uniform fields (16 bytes a cell) to 64 MB.
 _CELLS_PER_CALL = 4_000_000
-_THREEFRY = "threefry2x32"
 
 _draw = jax.jit(grids.random_blocked, static_argnums=(1, 2))
 
@@ -45,7 +45,7 @@ def random_maps(
         BadInputError: ``n`` or a side of ``shape`` is below 1, ``density`` lies outside
             [0, 1], ``first`` is negative, or the seed or an index exceeds 32 bits.
     """
-    stream = _as_key(key)
+    stream = as_key(key)
     n = whole_number("n", n, 1)
     height, width = _as_shape(shape)
     level = np.float32(checks.fraction("density", density))
@@ -65,27 +65,3 @@ def _as_shape(shape: Any) -> tuple[int, int]:
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         raise BadTypeError(f"shape: got {shape!r}; wanted (H, W)")
     return whole_number("shape[0]", shape[0], 1), whole_number("shape[1]", shape[1], 1)
-
-
-def _as_key(key: Any) -> jax.Array:
-    if isinstance(key, jax.Array) and key.ndim > 0 and key.dtype == np.uint32:
-        if key.shape != (2,):
-            raise BadInputError(f"key: got shape {key.shape}; wanted one threefry key, uint32[2]")
-        return jax.random.wrap_key_data(key, impl=_THREEFRY)
-    if isinstance(key, jax.Array) and jax.dtypes.issubdtype(key.dtype, jax.dtypes.prng_key):
-        return _checked_key(key)
-    if isinstance(key, bool) or not isinstance(key, int | np.integer):
-        raise BadTypeError(f"key: got {key!r}; wanted an integer seed or a JAX key")
-    if not 0 <= key < 2**32:
-        raise BadInputError(f"key: got {key}; wanted a seed from 0 to 2**32 - 1")
-    return jax.random.key(int(key), impl=_THREEFRY)
-
-
-def _checked_key(key: jax.Array) -> jax.Array:
-    if key.shape != ():
-        raise BadInputError(f"key: got an array of shape {key.shape}; wanted one key")
-    kind = str(jax.random.key_impl(key))
-    if kind != _THREEFRY:
-        # A batch of keys of the other kinds does not draw each key's own stream.
-        raise BadInputError(f"key: got a {kind!r} key; wanted {_THREEFRY!r}, the JAX default")
-    return key

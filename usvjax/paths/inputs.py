@@ -1,6 +1,5 @@
 """Checks that everything done to paths shares, and their form on the host."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,10 +14,14 @@ from usvjax.search.inputs import search_maps
 from usvkernels.paths.charts import Charts
 
 _PATHS = "int [B, P, 2] (cells) or float [B, P, 2] (m), P >= 2, padded to one length"
-_TOUCHING = 1e-9  # cells; what rounding to double precision may move a crossing by
+MOST_COORDINATE = 10**9
+"""Of points and origins, m or cells: beyond it, double precision is coarser than paths are."""
+
+_CELL_SIZES = (1e-6, 1e6)  # m; sums of squares of points stay within single precision
 _MOST_CELLS = 1 << 26  # of maps on a device at a time, if there are that many paths
 _LEAST_CELLS = 1 << 16  # of the maps in one call: few sizes to compile
-_AT_ONCE = 1 << 18  # segments or columns in one array of a check
+EDGE = 1e-3
+"""Cells by which a sample of a path along the map's edge may lie beyond it, through rounding."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,14 @@ def path_frame(blocked: Any, cell_size: float | None, origin: Any) -> Frame:
 def scale(cell_size: float | None, origin: Any) -> tuple[float, np.ndarray]:
     """Cell size (m; default 1) and origin (default (0, 0)), checked."""
     size = positive("cell_size", 1.0 if cell_size is None else cell_size)
+    if not _CELL_SIZES[0] <= size <= _CELL_SIZES[1]:
+        least, most = _CELL_SIZES
+        raise BadInputError(f"cell_size: got {size:g} m; wanted {least:g} to {most:g} m")
     corner = pair("origin", (0.0, 0.0) if origin is None else origin)
+    if max(abs(v) for v in corner) > MOST_COORDINATE:
+        raise BadInputError(
+            f"origin: got {origin}; wanted coordinates of at most {MOST_COORDINATE:,} m"
+        )
     return size, np.array(corner, np.float64)
 
 
@@ -127,8 +137,8 @@ def path_rows(paths: Any, lengths: Any, cells_only: bool = False) -> Paths:
 
     Raises:
       BadTypeError: not numbers of the right kind.
-      BadInputError: ragged, of another shape, NaN or infinite before the end of a path, or a
-        length outside 0 .. P.
+      BadInputError: ragged, of another shape, NaN, infinite or beyond MOST_COORDINATE before the
+        end of a path, or a length outside 0 .. P.
     """
     wanted = "int [B, P, 2] (cells), P >= 2, padded to one length" if cells_only else _PATHS
     try:
@@ -149,10 +159,23 @@ def path_rows(paths: Any, lengths: Any, cells_only: bool = False) -> Paths:
             raise BadInputError(
                 f"paths: {points[first]} at index {list(first)}; wanted finite numbers"
             )
+    _check_size(points, valid)
     are_cells = points.dtype.kind != "f"
     points = np.take_along_axis(points, slot[..., None], axis=1)
     points = np.where((counts > 0)[:, None, None], points, 0)
     return Paths(points.astype(np.int32 if are_cells else np.float64), counts, are_cells)
+
+
+def _check_size(points: np.ndarray, valid: np.ndarray) -> None:
+    """Refuse points of paths too far away for the numbers they are computed in."""
+    far = valid & ((points > MOST_COORDINATE) | (points < -MOST_COORDINATE)).any(axis=-1)
+    if far.any():
+        row, i = (int(v) for v in np.argwhere(far)[0])
+        x, y = points[row, i].tolist()
+        raise BadInputError(
+            f"paths: point {i} of row {row} is ({x:g}, {y:g}); wanted coordinates between "
+            f"-{MOST_COORDINATE:,} and {MOST_COORDINATE:,}"
+        )
 
 
 def _counts(lengths: Any, rows: int, capacity: int) -> np.ndarray:
@@ -182,8 +205,12 @@ def check_number(paths: Paths, frame: Frame) -> None:
         )
 
 
-def check_on_map(paths: Paths, frame: Frame) -> None:
+def check_on_map(paths: Paths, frame: Frame, slack: float = 0.0) -> None:
     """Refuse paths that leave the map.
+
+    Args:
+      paths, frame: the paths and their maps.
+      slack: cells, how far a point may be off, for what single precision did to a sample.
 
     Raises:
       BadInputError: naming the first row and place; or maps and paths of unequal number.
@@ -192,130 +219,16 @@ def check_on_map(paths: Paths, frame: Frame) -> None:
     shape = np.array(frame.blocked.shape[:0:-1])
     in_cells = frame.in_cells(paths)
     valid = np.arange(paths.points.shape[1]) < paths.counts[:, None]
-    off = valid & ((in_cells < 0) | (in_cells > shape)).any(axis=-1)
+    off = valid & ((in_cells < -slack) | (in_cells > shape + slack)).any(axis=-1)
     if off.any():
         row, i = (int(v) for v in np.argwhere(off)[0])
         raise BadInputError(
-            f"paths: point {i} of row {row}, {_place(paths, row, i)}, lies outside the map of "
+            f"paths: point {i} of row {row}, {place_of(paths, row, i)}, lies outside the map of "
             f"{shape[0]} x {shape[1]} cells"
         )
 
 
-def check_on_water(paths: Paths, frame: Frame, corner_cutting: bool = False) -> None:
-    """Refuse paths that leave the map or touch a blocked cell.
-
-    Raises:
-      BadInputError: naming the first row and place; or maps and paths of unequal number.
-    """
-    check_on_map(paths, frame)
-    in_cells = paths.points if paths.are_cells else frame.in_cells(paths)
-    valid = np.arange(paths.points.shape[1]) < paths.counts[:, None]
-    check = _cells_clear if paths.are_cells else segments_clear
-    all_rows, all_points = np.nonzero(valid)
-    for part in range(0, len(all_rows), _AT_ONCE):
-        rows, points = all_rows[part : part + _AT_ONCE], all_points[part : part + _AT_ONCE]
-        following = np.minimum(points + 1, paths.counts[rows] - 1)
-        clear = check(
-            in_cells[rows, points], in_cells[rows, following], rows, frame, corner_cutting
-        )
-        if not clear.all():
-            bad = int(np.argmin(clear))
-            raise BadInputError(
-                f"paths: row {rows[bad]} meets a blocked cell between point {points[bad]}, "
-                f"{_place(paths, rows[bad], points[bad])}, and the next; wanted a clear path"
-                + ("" if corner_cutting else " (corner_cutting=True lets it touch corners)")
-            )
-
-
-def _place(paths: Paths, row: int, i: int) -> str:
+def place_of(paths: Paths, row: int, i: int) -> str:
+    """A point of a path, for messages."""
     x, y = paths.points[row, i]
     return f"cell ({x}, {y})" if paths.are_cells else f"({x:g}, {y:g}) m"
-
-
-def _cells_clear(
-    starts: np.ndarray, ends: np.ndarray, rows: np.ndarray, frame: Frame, corner_cutting: bool
-) -> np.ndarray:
-    """Whether segments between cells, int32[n, 2], are clear."""
-    clear = np.ones(len(rows), bool)
-    layers = frame.layers(rows)
-    steps = np.abs(ends - starts).max(axis=1) <= 1  # of a search: four cells say it all
-    touched = [starts, ends]
-    if not corner_cutting:
-        touched += [
-            np.stack([starts[:, 0], ends[:, 1]], 1),
-            np.stack([ends[:, 0], starts[:, 1]], 1),
-        ]
-    for cells in touched:
-        clear[steps] &= ~_blocked(frame.blocked, layers[steps], cells[steps])
-    far = ~steps
-    if far.any():
-        # Exact: a line between centres that misses a corner does so by far more than rounding.
-        clear[far] = segments_clear(
-            starts[far] + 0.5, ends[far] + 0.5, rows[far], frame, corner_cutting
-        )
-    return clear
-
-
-def segments_clear(
-    starts: np.ndarray, ends: np.ndarray, rows: np.ndarray, frame: Frame, corner_cutting: bool
-) -> np.ndarray:
-    """Whether segments touch no blocked cell and stay on the map; bool[n].
-
-    Args:
-      starts, ends: float64[n, 2], in cells from the map's corner.
-      rows: int[n], the row whose map counts.
-      frame: the maps.
-      corner_cutting: cells are open squares instead of closed ones.
-    """
-    shape = np.array(frame.blocked.shape[:0:-1])
-    on_map = (starts >= 0) & (starts <= shape) & (ends >= 0) & (ends <= shape)
-    clear: np.ndarray = np.all(on_map, axis=1)
-    layers = frame.layers(rows)
-    slack = -_TOUCHING if corner_cutting else _TOUCHING
-    for part in _even_parts(starts, ends):
-        clear[part] &= _columns_clear(starts[part], ends[part], layers[part], frame.blocked, slack)
-    return clear
-
-
-def _columns_clear(
-    start: np.ndarray, end: np.ndarray, layers: np.ndarray, grids: np.ndarray, slack: float
-) -> np.ndarray:
-    """As `segments_clear`, all columns of all segments in one array each."""
-    across = np.abs(end - start).argmax(axis=1)  # the axis along which columns are counted
-    start, end = _swapped(start, across), _swapped(end, across)
-    forward = (start[:, 0] <= end[:, 0])[:, None]
-    start, end = np.where(forward, start, end), np.where(forward, end, start)
-    first = np.floor(start[:, 0] - slack).astype(int)
-    count = np.floor(end[:, 0] + slack).astype(int) - first + 1
-    begin = np.cumsum(count) - count
-    which = np.repeat(np.arange(len(start)), count)
-    column = first[which] + np.arange(len(which)) - begin[which]
-    span = end - start
-    slope = span[:, 1] / np.maximum(span[:, 0], 1e-300)
-    edges = np.clip(np.stack([column, column + 1]), start[which, 0], end[which, 0])
-    heights = start[which, 1] + slope[which] * (edges - start[which, 0])
-    low = np.floor(heights.min(axis=0) - slack).astype(int)
-    high = np.floor(heights.max(axis=0) + slack).astype(int)
-    hit = np.zeros(len(which), bool)
-    for more in range(3):  # no column of a segment no steeper than 1 meets more rows
-        cell = _swapped(np.stack([column, low + more], axis=1), across[which])
-        hit |= (low + more <= high) & _blocked(grids, layers[which], cell)
-    return ~np.logical_or.reduceat(hit, begin)
-
-
-def _even_parts(starts: np.ndarray, ends: np.ndarray) -> Iterator[np.ndarray]:
-    """Places of the segments, in parts that cross about _AT_ONCE columns at most."""
-    work = np.cumsum(np.abs(ends - starts).max(axis=1) + 2) // _AT_ONCE
-    yield from np.split(np.arange(len(starts)), np.flatnonzero(np.diff(work)) + 1)
-
-
-def _swapped(points: np.ndarray, across: np.ndarray) -> np.ndarray:
-    return np.where(across[:, None] == 1, points[:, ::-1], points)
-
-
-def _blocked(grids: np.ndarray, layers: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Whether cells are blocked; those off the map, touched from inside, are not."""
-    height, width = grids.shape[1:]
-    x, y = cells[:, 0], cells[:, 1]
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    return inside & grids[layers, np.where(inside, y, 0), np.where(inside, x, 0)]

@@ -10,8 +10,8 @@ import numpy as np
 
 from usvjax.checks import not_negative, positive
 from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
-from usvjax.paths.inputs import Frame, check_number, path_frame, path_rows, scale
-from usvjax.paths.points import polyline_pieces, sample_pieces, without_repeats
+from usvjax.paths.inputs import EDGE, Frame, check_on_map, path_frame, path_rows, scale
+from usvjax.paths.points import polyline_pieces, sample_pieces, sample_room, without_repeats
 from usvkernels.paths import path_metrics as kernel
 
 STEP = 0.5  # cells along a path, between points whose clearance is measured
@@ -19,18 +19,20 @@ STEP = 0.5  # cells along a path, between points whose clearance is measured
 
 @dataclass(frozen=True)
 class PathMetrics:
-    """Measures of B paths; numpy arrays, nan or 0 where there is no path.
+    """Measures of B paths; numpy arrays.
 
     Attributes:
-      length: float32[B], m.
-      inflections: int32[B], points at which the course changes.
-      turning: float32[B], sum of the changes of course, rad.
+      length: float32[B], m; nan where there is no path.
+      inflections: int32[B], points at which the course changes; 0 where there is no path.
+      turning: float32[B], sum of the changes of course, rad; nan where there is no path.
       curvature: float32[B], the largest discrete curvature, 1/m: at a point between segments a
         and b that meet at the angle w, 2 sin(w / 2) / ((a + b) / 2); on samples of an arc that
-        is 1 / radius.
-      clearance: float32[B] or None, least distance (m) of points on the path, at most half a
-        cell apart, to a blocked cell, 0 on one; inf beyond `clearance_limit`.
-      energy: float32[B], that of `length` straight ahead plus that of turning.
+        is 1 / radius; nan where there is no path.
+      clearance: float32[B], least distance (m) of points on the path, at most half a cell
+        apart, to a blocked cell, 0 on one; inf beyond `clearance_limit`, nan where there is no
+        path. None where no map was given.
+      energy: float32[B], that of `length` straight ahead plus that of turning; nan where there
+        is no path.
     """
 
     length: np.ndarray
@@ -67,8 +69,8 @@ def path_metrics(
       clearance_limit: m, how far to look for blocked cells; default 16 cells.
 
     Raises:
-      BadTypeError, BadInputError: wrong types, shapes or numbers; a map that does not go with
-        the paths.
+      BadTypeError, BadInputError: wrong types, shapes or numbers; a path that leaves the map, or
+        as many maps as do not go with the paths; more samples than memory holds.
     """
     frame = None
     if blocked is not None:
@@ -87,16 +89,26 @@ def path_metrics(
     given = path_rows(paths, lengths)
     world = given.metres(size, corner)
     if frame is not None:
-        check_number(given, frame)
+        check_on_map(given, frame, EDGE)
     points, counts = without_repeats(world - corner, given.counts)
     length, inflections, turning, curvature = _measured(points, counts, tolerance)
     clearance = None
     if frame is not None:
         clearance = _clearance(points, counts, frame, limit)
     energy = length / energy_unit + turn_cost * turning / (pi / 4)
-    energy = np.where(given.counts > 0, energy, np.nan).astype(np.float32)
-    length = np.where(given.counts > 0, length, np.nan).astype(np.float32)
-    return PathMetrics(length, inflections, turning, curvature, clearance, energy)
+    there = given.counts > 0
+
+    def known(values: np.ndarray) -> np.ndarray:
+        return np.where(there, values, np.nan).astype(np.float32)
+
+    return PathMetrics(
+        length=known(length),
+        inflections=inflections,
+        turning=known(turning),
+        curvature=known(curvature),
+        clearance=None if clearance is None else known(clearance),
+        energy=known(energy),
+    )
 
 
 def _measured(points: np.ndarray, counts: np.ndarray, tolerance: float) -> tuple[np.ndarray, ...]:
@@ -113,11 +125,14 @@ def _measured(points: np.ndarray, counts: np.ndarray, tolerance: float) -> tuple
 def _clearance(points: np.ndarray, counts: np.ndarray, frame: Frame, limit: float) -> np.ndarray:
     """float32[B], m."""
     pieces = polyline_pieces(padded_points(points / frame.cell_size, 2))
-    longest = float(pieces[2].sum(axis=1).max())
-    capacity = bucket(max(ceil(longest / STEP) + 2, 64), 4)
+    longest = float(pieces[2].sum(axis=1, dtype=np.float64).max()) * frame.cell_size
+    step = STEP * frame.cell_size
+    what = f"paths: clearance at points {step:g} m apart"
+    capacity = sample_room(longest, step, len(points), what, least=64, factor=4)
     places, _, _, number = sample_pieces(pieces, STEP, capacity)
     number = np.where(counts > 0, number, 0).astype(np.int32)
-    reach = np.int32(ceil(limit / frame.cell_size))
+    # No cell of the map is farther off than this.
+    reach = np.int32(ceil(min(limit / frame.cell_size, sum(frame.blocked.shape[1:]))))
 
     def work(rows: np.ndarray) -> tuple[jax.Array]:
         return (_least(frame.charts(rows), places[rows], number[rows], reach),)

@@ -2,13 +2,19 @@
 
 from collections.abc import Callable
 from functools import partial
+from math import ceil
 
 import jax
 import numpy as np
 
+from usvjax.errors import BadInputError
 from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, sized
+from usvjax.search.inputs import check_memory
 from usvkernels.paths import arcs
 from usvkernels.paths.turning import STRAIGHT
+
+MOST_SAMPLES = 1 << 24  # of a path; single precision counts no further
+_SAMPLE_BYTES = 64  # a sample with heading and curvature, and the copies made of it
 
 Idle = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -56,6 +62,33 @@ def polyline_pieces(points: np.ndarray) -> tuple[np.ndarray, ...]:
     length = np.linalg.norm(step, axis=2).astype(np.float32)
     heading = np.arctan2(step[..., 1], step[..., 0]).astype(np.float32)
     return points[:, :-1], heading, length, np.zeros_like(length)
+
+
+def sample_room(
+    longest: float, spacing: float, rows: int, what: str, least: int = 256, factor: int = 2
+) -> int:
+    """How many points `sample_pieces` is to make room for on each of some paths.
+
+    Args:
+      longest: m, of the paths.
+      spacing: m.
+      rows: number of paths.
+      what: the argument that asks for them and its value, for the message.
+      least: points, of the room.
+      factor: the room is a power of this.
+
+    Raises:
+      BadInputError: more than a path or the machine can have.
+    """
+    wanted = longest / spacing
+    if not wanted < MOST_SAMPLES:
+        raise BadInputError(
+            f"{what}: that makes {wanted:.3g} samples on a path of {longest:.6g} m; wanted fewer "
+            f"than {MOST_SAMPLES:,}"
+        )
+    room = bucket(max(ceil(wanted) + 2, least), factor)
+    check_memory(rows * room * _SAMPLE_BYTES, f"{what}: {rows} x {room} samples")
+    return room
 
 
 def sample_pieces(

@@ -10,10 +10,15 @@ import numpy as np
 from usvjax.checks import positive, whole_number
 from usvjax.errors import BadInputError
 from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
-from usvjax.paths.inputs import Frame, Paths, check_on_water, path_frame, path_rows, scale
+from usvjax.paths.inputs import Frame, Paths, path_frame, path_rows, scale
+from usvjax.paths.points import MOST_SAMPLES
+from usvjax.paths.water import check_on_water
+from usvjax.search.inputs import check_memory
 from usvkernels.paths import bspline as spline_kernel
 from usvkernels.paths import smoothing
 from usvkernels.paths.charts import Charts
+
+_POINT_BYTES = 64  # a point with heading and curvature, and the copies made of it
 
 
 @dataclass(frozen=True)
@@ -78,7 +83,7 @@ def shorten(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool = Fa
         through; for paths that were searched so.
 
     Raises:
-      BadTypeError: paths that are not whole numbers, a map that is not boolean.
+      BadTypeError: paths that are not whole numbers, a map or a corner_cutting that is not boolean.
       BadInputError: ragged or unequal batches, a path that leaves the map or meets a blocked
         cell; the message names the first row.
     """
@@ -128,6 +133,8 @@ def redensify(
             f"{steps.sum(axis=1).max():g} m"
         )
     capacity = bucket(max(int(pieces.max()) + 2, 256), 4)
+    what = f"unit: got {unit:g} m; {len(given)} x {capacity} points"
+    check_memory(len(given) * capacity * _POINT_BYTES, what)
     base = points[:, :1]
 
     def work(rows: np.ndarray) -> tuple[jax.Array, jax.Array]:
@@ -164,7 +171,8 @@ def bspline(
       cell_size: m, default 1; origin: (x, y), m, default (0, 0); where cells lie.
 
     Raises:
-      BadTypeError, BadInputError: wrong types, shapes or numbers; a path of one point.
+      BadTypeError, BadInputError: wrong types, shapes or numbers; a path of one point; more
+        samples than memory holds.
     """
     size, corner = scale(cell_size, origin)
     samples = whole_number("samples", samples, 2)
@@ -172,6 +180,10 @@ def bspline(
     if (given.counts == 1).any():
         row = int(np.argmax(given.counts == 1))
         raise BadInputError(f"paths: row {row} has one point; wanted two or more for a spline")
+    if samples > MOST_SAMPLES:
+        raise BadInputError(f"samples: got {samples:,}; wanted at most {MOST_SAMPLES:,}")
+    what = f"samples: got {samples:,}; {len(given)} x {samples:,} points"
+    check_memory(len(given) * samples * _POINT_BYTES, what)
     cells = given.metres(size, corner)
     points = padded_points(cells, max(4, bucket(cells.shape[1])))
     base = points[:, :1]

@@ -10,16 +10,20 @@ import jax.numpy as jnp
 import numpy as np
 
 from usvjax.checks import float_array, positive
-from usvjax.errors import BadTypeError
+from usvjax.errors import BadInputError, BadTypeError
 from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
-from usvjax.paths.inputs import Frame, check_on_map, path_frame, path_rows
-from usvjax.paths.points import polyline_pieces, sample_pieces, without_repeats
+from usvjax.paths.inputs import EDGE, Frame, Paths, check_on_map, path_frame, path_rows
+from usvjax.paths.points import polyline_pieces, sample_pieces, sample_room, without_repeats
+from usvjax.search.inputs import check_memory
 from usvkernels.paths import tracking as kernel
 from usvkernels.paths.charts import Charts
 from usvkernels.paths.tracking import TrackParams
 
 STEPS = 1.5  # times those that the path's length takes, before a vessel is given up
 WINDOW = 4  # periods of sailing, whose samples may be passed in one
+SAMPLES_PER_CELL = 5  # of straight segments, at most, so that corners are cut by little
+MOST_STEPS = 1 << 24  # control periods of a vessel
+_STEP_BYTES = 72  # pose and distance of a vessel at a control period, and the copies made of them
 
 Samples = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Points [B, N, 2] from the map's corner (m), curvature (1/m), their number."""
@@ -54,7 +58,7 @@ def track_paths(
     *,
     curvature: Any = None,
     params: TrackParams | None = None,
-    spacing: float = 1.0,
+    spacing: float | None = None,
     cell_size: float | None = None,
     origin: Any = None,
 ) -> Tracks:
@@ -64,6 +68,10 @@ def track_paths(
     runs wide of a sharp corner. The helmsman steers by the path's curvature and corrects what
     he is off; he does not look ahead.
 
+    Time and memory grow with the control periods of the longest path, which follow one another
+    and are all kept: 150 km at 15 m/s and 0.05 s are 200,000 of them, of 72 bytes a vessel. For
+    long routes take a larger `dt` (u dt well below the recovery length) or a part of the route.
+
     Args:
       paths: int[B, P, 2], cells, or float[B, P, 2], m: the straight segments to follow; or,
         with `curvature`, samples of a smooth path as `smooth_turns` returns them.
@@ -71,32 +79,62 @@ def track_paths(
       blocked: the map as it is, not inflated: bool[H, W] shared, bool[B, H, W], a `GridMap`.
       curvature: float[B, P], 1/m, at the samples; None: straight segments.
       params: speed, yaw rate, recovery length, control period; defaults to Chen's Table 1.
-      spacing: m, of the samples that stand for straight segments.
+      spacing: m, of the samples that stand for straight segments, which cut a right-angled
+        corner by up to a third of it; default a fifth of a cell, or u dt where that is more.
       cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
 
     Raises:
-      BadTypeError, BadInputError: wrong types, shapes or numbers, a path off the map.
+      BadTypeError, BadInputError: wrong types, shapes or numbers, a path off the map, more
+        samples or control periods than memory holds.
     """
     frame = path_frame(blocked, cell_size, origin)
     given = path_rows(paths, lengths)
-    check_on_map(given, frame)
+    check_on_map(given, frame, EDGE)
     params = _checked(params or TrackParams())
+    spacing = None if spacing is None else positive("spacing", spacing)
+    period = float(params.speed) * float(params.dt)
     points = given.metres(frame.cell_size, frame.origin) - frame.origin
     if curvature is None:
-        samples = _along_segments(points, given.counts, positive("spacing", spacing))
+        apart = spacing or max(frame.cell_size / SAMPLES_PER_CELL, period)
+        samples = _along_segments(points, given.counts, apart)
     else:
-        samples = (points, float_array("curvature", curvature, points.shape[:2]), given.counts)
+        samples = (points, _curvature(curvature, given), given.counts)
     return _sailed(samples, frame, params)
+
+
+def _curvature(value: Any, given: Paths) -> np.ndarray:
+    """Curvature at samples, float64[B, P], 0 where there are none, whatever stands there."""
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        array = np.empty(0)  # ragged, which `float_array` says
+    shape = given.points.shape[:2]
+    if array.dtype.kind == "f" and array.shape == shape:
+        value = np.where(np.arange(shape[1]) < given.counts[:, None], array, 0.0)
+    return float_array("curvature", value, shape)
 
 
 def _along_segments(points: np.ndarray, counts: np.ndarray, spacing: float) -> Samples:
     points, distinct = without_repeats(points, counts)
     pieces = polyline_pieces(padded_points(points, 2))
-    longest = float(pieces[2].sum(axis=1).max())
-    places, _, curvature, number = sample_pieces(
-        pieces, spacing, bucket(max(ceil(longest / spacing) + 2, 256))
-    )
+    longest = float(pieces[2].sum(axis=1, dtype=np.float64).max())
+    room = sample_room(longest, spacing, len(points), f"spacing: {spacing:g} m")
+    places, _, curvature, number = sample_pieces(pieces, spacing, room)
     return places, curvature, np.where(distinct > 1, number, 0)
+
+
+def _steps(longest: float, vessels: int, params: TrackParams) -> int:
+    """Control periods for a path of so many m; refuses more than memory holds."""
+    wanted = STEPS * longest / (float(params.speed) * float(params.dt))
+    what = (
+        f"params: speed {params.speed:g} m/s and dt {params.dt:g} s, which on a path of "
+        f"{longest:.6g} m make {wanted:.3g} control periods"
+    )
+    if not wanted < MOST_STEPS:
+        raise BadInputError(f"{what}; wanted fewer than {MOST_STEPS:,}")
+    steps = bucket(ceil(wanted) + 64)
+    check_memory(vessels * steps * _STEP_BYTES, f"{what}; tracking {vessels} paths so")
+    return steps
 
 
 def _sailed(samples: Samples, frame: Frame, params: TrackParams) -> Tracks:
@@ -105,7 +143,7 @@ def _sailed(samples: Samples, frame: Frame, params: TrackParams) -> Tracks:
     between = np.arange(gaps.shape[1]) < counts[:, None] - 1
     gaps = np.where(between, gaps, 0.0)
     period = float(params.speed) * float(params.dt)
-    steps = bucket(ceil(STEPS * gaps.sum(axis=1).max() / period) + 64)
+    steps = _steps(float(gaps.sum(axis=1).max()), len(points), params)
     usual = gaps.sum() / max(between.sum(), 1)
     window = bucket(ceil(WINDOW * period / usual)) if usual > 0 else 1
     width = bucket(max(points.shape[1], 64), 4)

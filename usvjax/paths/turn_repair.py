@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from usvjax.paths.corners import Vessel
-from usvjax.paths.inputs import Frame, segments_clear
+from usvjax.paths.inputs import Frame
+from usvjax.paths.water import segments_clear
 from usvkernels.paths.turning import Turn
 
 DIRECTIONS = 8

@@ -1,19 +1,19 @@
 """Paths that a vessel can sail: corners turned into arcs no tighter than its turning circle."""
 
 from dataclasses import dataclass
-from math import ceil, pi
+from math import pi
 from typing import Any
 
 import numpy as np
 
 from usvjax.checks import float_array, not_negative, positive, whole_number
 from usvjax.errors import BadInputError
-from usvjax.paths.blocks import bucket, sized
+from usvjax.paths.blocks import sized
 from usvjax.paths.corners import Turned, Vessel, turn_corners
-from usvjax.paths.inputs import Frame, check_on_water, path_frame, path_rows
-from usvjax.paths.points import sample_pieces, without_idle_points
+from usvjax.paths.inputs import Frame, path_frame, path_rows
+from usvjax.paths.points import sample_pieces, sample_room, without_idle_points
 from usvjax.paths.turn_repair import repair_corners
-from usvjax.search.inputs import check_memory
+from usvjax.paths.water import check_on_water
 from usvkernels.paths.turning import Turn
 
 
@@ -22,10 +22,10 @@ class PathPieces:
     """Segments and arcs of paths; numpy arrays, S pieces a path.
 
     Attributes:
-      start: float64[B, S, 2], m.
-      heading: float32[B, S], course at the start, rad.
-      length: float32[B, S], m; 0 where there is no piece.
-      curvature: float32[B, S], 1/m, positive to port; 0 on a segment.
+      start: float64[B, S, 2], m; nan where there is no piece.
+      heading: float32[B, S], course at the start, rad; nan where there is no piece.
+      length: float32[B, S], m; 0 where there is no piece, so that sums are of the path.
+      curvature: float32[B, S], 1/m, positive to port; 0 on a segment and where there is no piece.
     """
 
     start: np.ndarray
@@ -82,15 +82,19 @@ class SmoothTurns:
       fitted: bool[B], whether every corner got its arcs; False where there was no path.
       turns: int32[B, C], how each corner is sailed (`Turn`): 1 inside, 2 late, 3 early, -1 left
         as it is since no template fits, 0 padding.
-      corners: float64[B, C, 2], where they are (m).
+      corners: float64[B, C, 2], where they are (m); nan where there was no path.
       repaired: bool[B], whether corners were moved.
       pieces: the segments and arcs.
-      points: float64[B, N, 2], samples (m) from the path's first point to its last.
-      heading: float32[B, N], rad; curvature: float32[B, N], 1/m, at the samples.
-      counts: int32[B], samples of each path; the last is repeated.
-      length: float32[B], m.
-      turning: float32[B], sum of the changes of course, rad.
-      curvature_bound: float32[B], the largest curvature, 1/m; inf where a corner is left.
+      points: float64[B, N, 2], samples (m) from the path's first point to its last; nan where
+        there was no path.
+      heading: float32[B, N], rad; curvature: float32[B, N], 1/m, at the samples; nan where there
+        was no path.
+      counts: int32[B], samples of each path, two at least where it has a length; the last is
+        repeated. 0 where there was no path.
+      length: float32[B], m; nan where there was no path.
+      turning: float32[B], sum of the changes of course, rad; nan where there was no path.
+      curvature_bound: float32[B], the largest curvature, 1/m; inf where a corner is left, nan
+        where there was no path.
     """
 
     fitted: np.ndarray
@@ -149,12 +153,13 @@ def smooth_turns(
     Raises:
       BadTypeError: arguments of the wrong type.
       BadInputError: R not above 0 or beyond the map's longer side, a path that leaves the map
-        or meets a blocked cell, ragged or unequal batches, numbers that are not finite.
+        or meets a blocked cell, ragged or unequal batches, numbers that are not finite, more
+        samples than memory holds.
     """
     frame = path_frame(blocked, cell_size, origin)
     given = path_rows(paths, lengths)
     vessel = _vessel(turning_radius, safety_range, margin, frame, len(given))
-    spacing = positive("spacing", spacing) if spacing is not None else vessel.radius.min() / 5
+    spacing = None if spacing is None else positive("spacing", spacing)
     rounds = whole_number("repair", repair, 0)
     check_on_water(given, frame, corner_cutting)
     points = given.metres(frame.cell_size, frame.origin) - frame.origin
@@ -169,8 +174,23 @@ def smooth_turns(
         if len(changed):
             anew = turn_corners(points[changed], counts[changed], changed, frame, vessel)
             turned = tuple(_put(old, new, changed) for old, new in zip(turned, anew, strict=True))
-    exact = np.where((given.counts > 0)[:, None, None], points[:, [0, -1]], 0.0)
-    return _result(turned, points, counts, exact, repaired, frame, spacing)
+    return _result(turned, points, counts, repaired, frame, _Spacing.of(spacing, vessel))
+
+
+@dataclass(frozen=True)
+class _Spacing:
+    """How far apart samples are, m, and the argument that says so."""
+
+    metres: float
+    what: str
+
+    @classmethod
+    def of(cls, given: float | None, vessel: Vessel) -> "_Spacing":
+        if given is not None:
+            return cls(given, f"spacing: got {given:g} m")
+        least = float(vessel.radius.min())
+        said = f"turning_radius: got {least:g} m; samples R / 5 apart, for want of a spacing"
+        return cls(least / 5, said)
 
 
 def _put(old: np.ndarray, new: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -214,42 +234,63 @@ def _result(
     turned: Turned,
     points: np.ndarray,
     counts: np.ndarray,
-    ends: np.ndarray,
     repaired: np.ndarray,
     frame: Frame,
-    spacing: float,
+    spacing: _Spacing,
 ) -> SmoothTurns:
-    cases, deflection, *pieces = turned
-    start, heading, length, curvature = _compacted(pieces)
-    total = length.sum(axis=1, dtype=np.float64)
-    capacity = bucket(max(ceil(total.max() / spacing) + 2, 256))
-    check_memory(len(points) * capacity * 64, f"spacing: {len(points)} x {capacity} samples")
-    places, course, bend, number = sample_pieces(
-        (start, heading, length, curvature), spacing, capacity
+    cases, deflection, *found = turned
+    start, heading, length, curvature = _compacted(found)
+    there = counts > 0
+    left = cases == Turn.UNFITTED
+    jumps = np.where(left, np.abs(deflection), 0.0).sum(axis=1)
+    turning = np.abs(curvature * length).sum(axis=1) + jumps
+    largest = np.where(left.any(axis=1), np.inf, np.abs(curvature).max(axis=1))
+    samples = _samples((start, heading, length, curvature), points, counts, spacing)
+    places, course, bend, number = samples
+    no_piece = length <= 0
+    return SmoothTurns(
+        fitted=there & ~left.any(axis=1),
+        turns=cases,
+        corners=_known(there, sized(points[:, 1:-1], cases.shape[1]) + frame.origin),
+        repaired=repaired,
+        pieces=PathPieces(
+            start=_known(~no_piece, start + frame.origin),
+            heading=_known(~no_piece, heading),
+            length=length,
+            curvature=np.where(no_piece, np.float32(0.0), curvature),
+        ),
+        points=_known(there, places + frame.origin),
+        heading=_known(there, course),
+        curvature=_known(there, bend),
+        counts=number,
+        length=_known(there, length.sum(axis=1, dtype=np.float64).astype(np.float32)),
+        turning=_known(there, turning.astype(np.float32)),
+        curvature_bound=_known(there, largest.astype(np.float32)),
     )
+
+
+def _samples(
+    pieces: tuple[np.ndarray, ...], points: np.ndarray, counts: np.ndarray, spacing: _Spacing
+) -> tuple[np.ndarray, ...]:
+    """Points float64[B, N, 2] (m, from the map's corner), headings, curvatures, their number."""
+    longest = float(pieces[2].sum(axis=1, dtype=np.float64).max())
+    room = sample_room(longest, spacing.metres, len(points), spacing.what)
+    places, course, bend, number = sample_pieces(pieces, spacing.metres, room)
     number = np.where(counts > 0, number, 0).astype(np.int32)
     width = max(int(number.max()), 1)
     places = places[:, :width].astype(np.float64)
-    places[:, 0] = ends[:, 0]
+    # The ends are as they were given, whatever single precision made of them.
+    places[:, 0] = points[:, 0]
     after = np.arange(width) >= np.maximum(number - 1, 0)[:, None]
-    places = np.where(after[..., None], ends[:, 1:], places)
-    left = cases == Turn.UNFITTED
-    largest = np.abs(curvature).max(axis=1)
-    jumps = np.where(left, np.abs(deflection), 0.0).sum(axis=1)
-    return SmoothTurns(
-        fitted=(counts > 0) & ~left.any(axis=1),
-        turns=cases,
-        corners=sized(points[:, 1:-1], cases.shape[1]) + frame.origin,
-        repaired=repaired,
-        pieces=PathPieces(start + frame.origin, heading, length, curvature),
-        points=places + frame.origin,
-        heading=course[:, :width],
-        curvature=bend[:, :width],
-        counts=number,
-        length=total.astype(np.float32),
-        turning=(np.abs(curvature * length).sum(axis=1) + jumps).astype(np.float32),
-        curvature_bound=np.where(left.any(axis=1), np.inf, largest).astype(np.float32),
-    )
+    places = np.where(after[..., None], points[:, -1:], places)
+    return places, course[:, :width], bend[:, :width], number
+
+
+def _known(there: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The values, nan where there is nothing; `there` has the first axes of `values`."""
+    there = there.reshape(there.shape + (1,) * (values.ndim - there.ndim))
+    known: np.ndarray = np.where(there, values, values.dtype.type(np.nan))
+    return known
 
 
 def _compacted(pieces: list[np.ndarray]) -> list[np.ndarray]:

@@ -6,6 +6,7 @@ are made without pyplot, so no window opens, no state is shared, and threads may
 
 from usvjax.plots.animation import animate_episode
 from usvjax.plots.chart import plot_chart
+from usvjax.plots.cruise import plot_cruise
 from usvjax.plots.curvature import Bends, bends_of, plot_curvature
 from usvjax.plots.decision import Decision, Episode, EpisodeView, plot_decision
 from usvjax.plots.distributions import both_reached, plot_distributions
@@ -41,6 +42,7 @@ __all__ = [
     "expanded_cells",
     "figures_for_run",
     "plot_chart",
+    "plot_cruise",
     "plot_curvature",
     "plot_decision",
     "plot_distributions",

@@ -63,7 +63,7 @@ def finish_sheet(fig: Figure, ax: Axes, grid: GridMap, source: str) -> Figure:
         fig: The figure, with its title and legends.
         ax: Its axes, with their limits.
         grid: The map on it.
-        source: Source and licence of the map; "" writes none.
+        source: Source and licence of the map, written below it; "" writes none.
 
     Returns:
         The figure.
@@ -72,8 +72,10 @@ def finish_sheet(fig: Figure, ax: Axes, grid: GridMap, source: str) -> Figure:
     _draw_scale(ax, grid)
     _draw_north(fig, ax)
     style.settle(fig)
-    draw_source(ax, source)
-    return fig
+    if not source:
+        return fig
+    _write_below(ax, source)
+    return style.settle(fig)
 
 
 def paint_map(ax: Axes, grid: GridMap) -> None:
@@ -131,14 +133,37 @@ def draw_source(ax: Axes, text: str) -> None:
     """
     if not text:
         return
-    points = _SOURCE_SHARE * ax.get_window_extent().width * 72 / ax.figure.dpi
-    letters = max(int(points / (_LETTER * _SOURCE_SIZE)), 12)
-    note = textwrap.fill(text, letters, max_lines=_SOURCE_LINES, placeholder=" ...")
+    note = _folded_source(ax, text, _SOURCE_SHARE)
     box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.5}
     mark = ax.text(0.995, 0.006, note, fontsize=_SOURCE_SIZE, bbox=box, transform=ax.transAxes)
     mark.set(ha="right", va="bottom", color="#404040", zorder=5)
     # It lies inside the axes and must not move a layout that is settled.
     mark.set_in_layout(False)
+
+
+def _folded_source(ax: Axes, text: str, share: float) -> str:
+    """The source in few lines, none wider than a share of the axes."""
+    points = share * ax.get_window_extent().width * 72 / ax.figure.dpi
+    letters = max(int(points / (_LETTER * _SOURCE_SIZE)), 12)
+    return textwrap.fill(text, letters, max_lines=_SOURCE_LINES, placeholder=" ...")
+
+
+def _write_below(ax: Axes, text: str) -> None:
+    """Write the source of a map small below its axes, whose layout is settled; it hides nothing."""
+    labels = ax.xaxis.get_tightbbox()
+    assert labels is not None
+    down = (labels.y0 - ax.get_window_extent().y0) * 72 / ax.figure.dpi
+    ax.annotate(
+        _folded_source(ax, text, 1.0),
+        xy=(1, 0),
+        xycoords="axes fraction",
+        xytext=(0, down - 2),
+        textcoords="offset points",
+        fontsize=_SOURCE_SIZE,
+        color="#404040",
+        ha="right",
+        va="top",
+    )
 
 
 def _is_wide(ax: Axes) -> bool:
@@ -181,7 +206,7 @@ def _draw_scale(ax: Axes, grid: GridMap) -> None:
 def _corner_of_land(ax: Axes, grid: GridMap) -> str:
     """Return the western corner where a scale bar hides less water.
 
-    The source stands in the south-east and the arrow in the north-east.
+    In some figures the source stands in the south-east; the arrow is in the north-east.
     """
     share = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     (west, east), (south, north) = ax.get_xlim(), ax.get_ylim()

@@ -1,7 +1,7 @@
 """Curvature along routes against what a vessel can sail."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,14 @@ FloatArray = NDArray[np.float64]
 # Below this change of course a path goes straight on, rad.
 _STRAIGHT_ON = 1e-6
 
+_LEFT: dict[str, Any] = {
+    "color": style.BLACK,
+    "linestyle": "",
+    "marker": "X",
+    "markersize": 6,
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.5,
+}
 _BOUND: dict[str, Any] = {"color": "#404040", "linestyle": "--", "linewidth": 0.9}
 
 
@@ -31,14 +39,19 @@ class Bends:
         curvature: float[n], 1/m, positive to port.
         at_corners: whether the route is straight but for corners at these distances; otherwise
             these are samples of a smooth curve.
+        left: float[k], where a smooth curve has corners that could not be rounded, which no
+            vessel sails; m from the start.
     """
 
     distance: FloatArray
     curvature: FloatArray
     at_corners: bool
+    left: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
-def bends_of(points: ArrayLike, curvature: ArrayLike | None = None) -> Bends:
+def bends_of(
+    points: ArrayLike, curvature: ArrayLike | None = None, left: ArrayLike | None = None
+) -> Bends:
     """How a route bends, for `plot_curvature`.
 
     Args:
@@ -46,6 +59,8 @@ def bends_of(points: ArrayLike, curvature: ArrayLike | None = None) -> Bends:
         curvature: float[P], 1/m, at the points of a smooth curve. None of a route of straight
             segments: there the discrete curvature of each corner is taken,
             2 sin(w / 2) / ((a + b) / 2) for the deflection w between segments a and b.
+        left: float[k, 2], (x, y) in m of corners that a smooth curve still has; rows with NaN
+            are padding.
 
     Raises:
         BadInputError: Shapes that do not agree, or no finite point.
@@ -58,7 +73,9 @@ def bends_of(points: ArrayLike, curvature: ArrayLike | None = None) -> Bends:
         values = np.asarray(curvature, dtype=float)
         if len(values) < len(line):
             raise BadInputError(f"curvature has {len(values)} values; {len(line)} were wanted")
-        return Bends(distance, values[: len(line)], at_corners=False)
+        corners = np.zeros((0, 2)) if left is None else np.asarray(left, dtype=float)
+        places = _along(line, distance, corners[np.isfinite(corners).all(axis=-1)])
+        return Bends(distance, values[: len(line)], at_corners=False, left=places)
     moved = length > 0
     step, length, distance = step[moved], length[moved], np.cumsum(length[moved])
     course = np.arctan2(step[:, 1], step[:, 0])
@@ -69,6 +86,12 @@ def bends_of(points: ArrayLike, curvature: ArrayLike | None = None) -> Bends:
     return Bends(distance[:-1][bent], values, at_corners=True)
 
 
+def _along(line: FloatArray, distance: FloatArray, places: FloatArray) -> FloatArray:
+    """How far along a line the points are that are nearest to some places, float[k]."""
+    gaps = np.hypot(*np.moveaxis(places[:, None] - line[None], -1, 0))
+    return distance[gaps.argmin(axis=1)]
+
+
 @style.styled
 def plot_curvature(
     routes: Mapping[str, Bends], turning_radius: float, *, title: str | None = None
@@ -77,7 +100,8 @@ def plot_curvature(
 
     Args:
         routes: Name to how the route bends. Corners are drawn as stems, since a corner's
-            curvature depends on how finely the path is cut; curves as lines.
+            curvature depends on how finely the path is cut; curves as steps from sample to
+            sample. Corners left in a curve are crosses: their curvature has no bound.
         turning_radius: R, m.
         title: Title of the figure.
 
@@ -106,13 +130,16 @@ def plot_curvature(
         ax.set(ylim=(-most, most), ylabel="curvature (1/m)")
         ax.ticklabel_format(axis="y", scilimits=(-2, 3))
         what = "discrete curvature of corners" if bends.at_corners else "curvature"
-        ax.set_title(f"{name}: {what} up to {largest[name] / bound:.2f} / R", loc="right")
+        words = f"{name}: {what} up to {largest[name] / bound:.2f} / R"
+        ax.set_title(words + _left_words(len(bends.left)), loc="right")
     axes[-1].set(xlabel=f"distance along the route ({unit})", xlim=(0, longest / scale))
     if title:
         fig.suptitle(style.folded(title, 95))
     label = f"bounds of a turning radius R = {turning_radius:g} m"
-    handle = Line2D([], [], label=label, **_BOUND)
-    style.outside_legend(fig, [handle], columns=1)
+    handles = [Line2D([], [], label=label, **_BOUND)]
+    if any(len(bends.left) for bends in routes.values()):
+        handles.append(Line2D([], [], label="corner that cannot be sailed", **_LEFT))
+    style.outside_legend(fig, handles, columns=len(handles))
     return style.settle(fig)
 
 
@@ -123,4 +150,11 @@ def _draw_bends(ax: Axes, bends: Bends, scale: float, colour: str) -> None:
         ax.vlines(along, 0.0, bends.curvature, colors=colour, linewidth=1.0, zorder=3)
         ax.plot(along, bends.curvature, ".", color=colour, markersize=3, zorder=3)
     else:
-        ax.plot(along, bends.curvature, color=colour, linewidth=1.0, zorder=3)
+        # Curvature jumps where a segment meets an arc.
+        ax.step(along, bends.curvature, where="mid", color=colour, linewidth=1.0, zorder=3)
+    if len(bends.left):
+        ax.plot(bends.left / scale, np.zeros(len(bends.left)), zorder=4, **_LEFT)
+
+
+def _left_words(count: int) -> str:
+    return f", {count} corner{'s' * (count > 1)} not sailable" if count else ""

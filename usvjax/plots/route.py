@@ -24,6 +24,8 @@ _LEAST_SHAPE = 0.35
 # Width of a close-up: so many turning radii, or cells where these are larger.
 _CLOSEUP_RADII = 16.0
 _CLOSEUP_CELLS = 24.0
+# Width of a route's line, and of each below it that is the same, in points.
+_WIDTH, _WIDER = 1.4, 1.2
 # Places that a close-up may be about.
 _MOST_PLACES = 1000
 
@@ -46,7 +48,8 @@ def plot_routes(
         routes: Name to float[P, 2 or more], whose first two columns are (x, y) in m; rows with
             NaN are padding. Names of methods have their own colour and line in every figure.
             Later ones lie above earlier ones.
-        labels: Name to what the legend says; by default the name and the length.
+        labels: Name to what the legend says; by default the name and the length. It also says
+            which routes are the same.
         view: (west, east, south, north), m; by default the part around the routes.
         closeup: Width, m, of a second chart of where the first route turns most; None draws
             none.
@@ -88,14 +91,29 @@ def _draw_routes(
 ) -> list[Line2D]:
     """Draw all routes and their ends; return the legend's handles."""
     looks = style.method_looks(lines)
+    firsts = _first_of_same(lines)
     handles = []
     for layer, (name, line) in enumerate(lines.items()):
         colour, dashes, _ = looks[name]
-        ax.plot(*line.T, color=colour, linestyle=dashes, zorder=3 + 0.01 * layer)
+        # Of routes that are the same, those below show beside those above.
+        above = sum(firsts[other] == firsts[name] for other in list(lines)[layer + 1 :])
+        width = _WIDTH + _WIDER * above
+        ax.plot(*line.T, color=colour, linestyle=dashes, linewidth=width, zorder=3 + 0.01 * layer)
         label = labels.get(name) or f"{name}: {length_words(length_of(line))}"
+        if firsts[name] != name:
+            label += f" (same as {firsts[name]})"
         handles.append(Line2D([], [], color=colour, linestyle=dashes, label=label))
     first = next(iter(lines.values()))
     return [*draw_ends(ax, first[0], first[-1], None), *handles]
+
+
+def _first_of_same(lines: Mapping[str, FloatArray]) -> dict[str, str]:
+    """By name, the first line that is the very same."""
+    names = list(lines)
+    return {
+        name: next(other for other in names if np.array_equal(lines[other], lines[name]))
+        for name in names
+    }
 
 
 def _two_sheets(grid_map: GridMap, view: base_map.View, near: base_map.View) -> tuple[Figure, Axes]:
@@ -112,7 +130,7 @@ def _two_sheets(grid_map: GridMap, view: base_map.View, near: base_map.View) -> 
     frame.set(edgecolor=style.BLACK, linewidth=0.8, zorder=4)
     ax.add_patch(frame)
     base_map.label_axes(closer)
-    closer.set(ylabel="", title=f"framed part, {length_words(near[1] - near[0])} wide")
+    closer.set(ylabel="", title=f"framed part, {_width_words(near[1] - near[0])} wide")
     return fig, ax
 
 
@@ -244,5 +262,12 @@ def length_of(line: FloatArray) -> float:
 
 
 def length_words(metres: float) -> str:
-    """Write a length in m, or in km from 5 km up, to four digits."""
+    """Write a length in m, or in km from 5 km up, to four digits, noughts included."""
+    number, unit = (metres / 1000, "km") if metres >= 5000 else (metres, "m")
+    digits = f"{number:#.4g}" if 0.001 <= number < 1000 else f"{number:.4g}"
+    return f"{digits} {unit}"
+
+
+def _width_words(metres: float) -> str:
+    """Write the width of a chart, which is a round number."""
     return f"{metres / 1000:.4g} km" if metres >= 5000 else f"{metres:.4g} m"

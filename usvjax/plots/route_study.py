@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import polars as pl
@@ -28,36 +28,68 @@ from usvkernels.status import Status
 MOST_CONDITIONS = 6
 """Conditions of one figure; a study with more has several."""
 
-# Panels: column, what it is, and whether it is best read on a logarithmic scale.
-_PANELS = (
-    ("ratio", "length / shortest on the grid", False),
-    ("turns", "turns per route", False),
-    ("expanded", "cells expanded", True),
-)
 # Methods whose curvature is drawn, besides the first.
 _BENT = ("bspline", "smoothed")
+
+
+class Panel(NamedTuple):
+    """One panel of boxes: a column, what it is, and how it is best read."""
+
+    column: str
+    label: str
+    logarithmic: bool = False
+    scale: float = 1.0
+
+
+class Comparison(NamedTuple):
+    """How methods compare: what counts as success, three panels, and what the boxes are over."""
+
+    success: Status
+    panels: tuple[Panel, Panel, Panel]
+    what: str
+
+
+ROUTES = Comparison(
+    Status.FOUND,
+    (
+        Panel("ratio", "length / shortest on the grid"),
+        Panel("turns", "turns per route"),
+        Panel("expanded", "cells expanded", logarithmic=True),
+    ),
+    "queries that every method solved",
+)
 
 
 def route_figures(
     run: Run, table: pl.DataFrame, max_examples: int, max_paths: int, folder: Path | None
 ) -> Iterator[tuple[str, Figure]]:
     """Yield (name, figure) of a run, the cheap ones first; see `figures_for_run`."""
-    conditions = table["condition"].unique().sort().to_list()
-    for page, first in enumerate(range(0, len(conditions), MOST_CONDITIONS), start=1):
-        chosen = conditions[first : first + MOST_CONDITIONS]
-        part = table.filter(pl.col("condition").is_in(chosen))
-        yield ("methods" if page == 1 else f"methods-{page}"), _methods(run, part)
+    yield from method_pages(run, table, ROUTES)
     for condition in range(min(max_examples, len(run.settings))):
         mine = table.filter(pl.col("condition") == condition)
         if not mine.is_empty():
             yield from _examples(run, mine, condition, max_paths, folder)
 
 
-def _methods(run: Run, table: pl.DataFrame) -> Figure:
+def method_pages(
+    run: Run, table: pl.DataFrame, compared: Comparison
+) -> Iterator[tuple[str, Figure]]:
+    """Yield (name, figure) of how a run's methods compare, a few conditions in each."""
     study = run.manifest["study"]
     looks = look_schedule(study["episodes"], study["shard"], study["until"])
     level = look_level(study["confidence"], len(looks))
-    return plot_methods(table, run.methods, labels=run.labels, confidence=level, title=run.name)
+    conditions = table["condition"].unique().sort().to_list()
+    for page, first in enumerate(range(0, len(conditions), MOST_CONDITIONS), start=1):
+        chosen = conditions[first : first + MOST_CONDITIONS]
+        fig = plot_methods(
+            table.filter(pl.col("condition").is_in(chosen)),
+            run.methods,
+            compared=compared,
+            labels=run.labels,
+            confidence=level,
+            title=run.name,
+        )
+        yield ("methods" if page == 1 else f"methods-{page}"), fig
 
 
 @style.styled
@@ -65,56 +97,64 @@ def plot_methods(
     table: pl.DataFrame,
     methods: Sequence[str],
     *,
+    compared: Comparison = ROUTES,
     labels: Mapping[int, str] | None = None,
     confidence: float = 0.95,
     title: str | None = None,
 ) -> Figure:
-    """Draw how methods compare: share found, length over the shortest, turns, cells expanded.
+    """Draw how methods compare: the share of successes, and boxes of three metrics.
 
     Args:
-        table: One row per (condition, method, job) with columns job, condition, method, status,
-            ratio, turns and expanded.
+        table: One row per (condition, method, job) with columns job, condition, method, status
+            and the metrics; for routes ratio, turns and expanded.
         methods: Methods, in the order of the figure.
+        compared: What counts as success and which metrics are drawn; by default for routes.
         labels: Condition number to what it is.
-        confidence: Coverage of the intervals of the share found.
+        confidence: Coverage of the intervals of the share of successes.
         title: Title of the figure.
 
     Returns:
         The figure, 170 mm wide. Boxes (quartiles, median, whiskers from the 5th to the 95th
-        percentile) are over the queries for which every method found a route.
+        percentile) are over the jobs in which every method succeeded.
 
     Raises:
         BadInputError: A column is missing or the table is empty.
     """
-    wanted = {name: "a metric to draw" for name, _, _ in _PANELS}
+    wanted = {panel.column: "a metric to draw" for panel in compared.panels}
     style.require_columns(table.columns, wanted)
     if table.is_empty():
         raise BadInputError("table is empty; at least one query was wanted")
-    kept = both_reached(table, Status.FOUND)
+    kept = both_reached(table, compared.success)
     conditions = table["condition"].unique().sort().to_list()
     names = [(labels or {}).get(c, f"condition {c}") for c in conditions]
     places = _places(conditions, methods)
     fig = style.new_figure(style.DOUBLE_MM, 130)
     axes = fig.subplots(2, 2).reshape(-1)
     looks = style.method_looks(methods)
-    for ax, (column, words, logarithmic) in zip(axes[1:], _PANELS, strict=True):
+    for ax, (column, words, logarithmic, scale) in zip(axes[1:], compared.panels, strict=True):
         for method in methods:
             samples = [
-                (places[condition, method], _values(kept, condition, method, column))
+                (places[condition, method], scale * _values(kept, condition, method, column))
                 for condition in conditions
             ]
             filled = [(x, values) for x, values in samples if len(values)]
             draw_boxes(ax, filled, 0.68 / len(methods), _fill(looks[method]))
         ax.set(ylabel=words, yscale="log" if logarithmic else "linear")
-    _draw_found(axes[0], table, places, looks, confidence)
+    _draw_shares(axes[0], table, compared.success, places, looks, confidence)
     alone = len(conditions) == 1
     ticks, how = style.tick_names(list(methods) if alone else names, room=60)
+    solved = [kept.filter(pl.col("condition") == c)["job"].n_unique() for c in conditions]
+    numbered, how_numbered = style.tick_names(
+        [f"{name}\nn = {n:,}" for name, n in zip(names, solved, strict=True)], room=60
+    )
     at = [places[conditions[0], m] for m in methods] if alone else list(range(len(names)))
     for ax in axes:
         ax.set_xticks(at, ticks, **how)
+        if not alone and ax is not axes[0]:
+            ax.set_xticks(at, numbered, **how_numbered)
         ax.set_xlim(-0.5, len(names) - 0.5)
         ax.grid(visible=False, axis="x")
-    fig.suptitle(_caption(title, kept, table, conditions))
+    fig.suptitle(_caption(title, kept, table, compared.what, alone))
     if not alone:
         handles = [
             Patch(facecolor=_fill(looks[m]), edgecolor=style.BLACK, label=m) for m in methods
@@ -138,13 +178,15 @@ def _fill(look: style.Look) -> str:
 
 
 def _caption(
-    title: str | None, kept: pl.DataFrame, table: pl.DataFrame, conditions: Sequence[int]
+    title: str | None, kept: pl.DataFrame, table: pl.DataFrame, what: str, alone: bool
 ) -> str:
-    n = [kept.filter(pl.col("condition") == c)["job"].n_unique() for c in conditions]
-    total = [table.filter(pl.col("condition") == c)["job"].n_unique() for c in conditions]
-    shown = f"{min(n):,}" if len(set(n)) == 1 else f"{min(n):,} to {max(n):,}"
+    """What the boxes are over; of several conditions, the numbers stand below each."""
     head = f"{title}: " if title else ""
-    return f"{head}boxes over the {shown} of {max(total):,} queries that every method solved"
+    total = max(part["job"].n_unique() for part in table.partition_by("condition"))
+    if alone:
+        n = kept["job"].n_unique()
+        return f"{head}boxes over the {n:,} of {total:,} {what}"
+    return f"{head}boxes over the n of {total:,} {what}"
 
 
 def _values(table: pl.DataFrame, condition: int, method: str, column: str) -> NDArray[np.float64]:
@@ -153,18 +195,19 @@ def _values(table: pl.DataFrame, condition: int, method: str, column: str) -> ND
     return values[np.isfinite(values)]
 
 
-def _draw_found(
+def _draw_shares(
     ax: Axes,
     table: pl.DataFrame,
+    success: Status,
     places: Mapping[tuple[int, str], float],
     looks: Mapping[str, style.Look],
     confidence: float,
 ) -> None:
-    """Draw the share of queries with a route, with Wilson intervals."""
+    """Draw the share of successes, with Wilson intervals."""
     for (condition, method), place in places.items():
         mine = (pl.col("condition") == condition) & (pl.col("method") == method)
         status = table.filter(mine)["status"].to_numpy()
-        share = wilson(int((status == Status.FOUND).sum()), len(status), confidence)
+        share = wilson(int((status == success).sum()), len(status), confidence)
         value, low, high = 100.0 * np.array([share.value, share.low, share.high], dtype=float)
         ax.errorbar(
             place,
@@ -177,7 +220,8 @@ def _draw_found(
             elinewidth=0.9,
             capsize=2,
         )
-    ax.set(ylabel=f"found (%), {100 * confidence:.4g} % intervals", ylim=(0, 104))
+    words = f"{style.STATUS_LABEL[success]} (%), {100 * confidence:.4g} % intervals"
+    ax.set(ylabel=words, ylim=(0, 104))
 
 
 def _examples(
@@ -231,10 +275,7 @@ def _route_figure(
     if grid is None:
         queries = source.draw(int(run.manifest["study"]["seed"]), np.asarray([job]))
         grid = GridMap(queries.land[0], source.cell_size, source.origin)
-    labels = {
-        m: f"{m}: {length_words(float(found[m].path_length[0]))}, {found[m].turns[0]} turns"
-        for m in lines
-    }
+    labels = {m: _label(m, found[m]) for m in lines}
     radius = payload.turning_radius
     arcs = any(METHODS[m].finish == "arcs" for m in lines)
     return plot_routes(
@@ -247,9 +288,19 @@ def _route_figure(
     )
 
 
+def _label(method: str, found: Routes) -> str:
+    label = f"{method}: {length_words(float(found.path_length[0]))}, {found.turns[0]} turns"
+    # A grid route turns on the spot everywhere; of one whose corners are rounded this is news.
+    if found.left is not None and found.sharp_turns[0]:
+        label += f", {found.sharp_turns[0]} not sailable"
+    return label
+
+
 def _bends(found: Routes) -> Bends:
     points = found.points[0, : found.counts[0]]
-    return bends_of(points, None if found.curvature is None else found.curvature[0])
+    if found.curvature is None:
+        return bends_of(points)
+    return bends_of(points, found.curvature[0], None if found.left is None else found.left[0])
 
 
 def _chart(

@@ -12,6 +12,7 @@ from usvjax.errors import BadInputError
 from usvjax.plots import style
 from usvjax.plots.base_map import View
 from usvjax.plots.chart import detail, plot_chart
+from usvjax.plots.cruise_study import cruise_figures
 from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.paths import plot_paths
 from usvjax.plots.rates import plot_success
@@ -48,7 +49,9 @@ def figures_for_run(
       ("chart"), and the part of it in which most failed ("detail");
     - of a study of routes instead: how the methods compare ("methods"), and of each of the first
       conditions one query under all methods ("routes"), its curvature ("curvature") and, where
-      all share a map, many routes on it ("chart").
+      all share a map, many routes on it ("chart");
+    - of a study of cruises: how the methods compare ("methods"), and of each of the first
+      conditions the cruise of median length on its chart ("cruise").
 
     The example on an obstacle map is not picked by eye: of the episodes in which all methods
     reached and took different times, it is the one with the median difference.
@@ -80,8 +83,8 @@ def figures_for_run(
     run = load_run(run_dir)
     table = run.table()
     written = []
-    is_route = run.manifest["study"]["kind"] == "route"
-    figures = route_figures if is_route else _figures
+    kinds = {"route": route_figures, "cruise": cruise_figures}
+    figures = kinds.get(run.manifest["study"]["kind"], _figures)
     for name, fig in figures(run, table, max_examples, max_paths, folder):
         for suffix in formats:
             written.append(style.save(fig, run.path / FOLDER / f"{name}{suffix}"))

@@ -11,8 +11,8 @@ from usvjax.checks import not_negative, one_of, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.errors import BadInputError
 from usvjax.search import sweeping
-from usvjax.search.inputs import SearchScene, check_memory, search_scene
-from usvjax.search.paths import Paths, trace, turning_of
+from usvjax.search.inputs import SearchScene, check_memory, check_options, search_scene
+from usvjax.search.paths import Paths, check_paths, trace, turning_of
 from usvkernels.lanes import LEAST_LANES
 from usvkernels.search import astar_costs, astar_lanes, pqueue
 from usvkernels.search.astar import Queries
@@ -27,6 +27,7 @@ JOBS_PER_LANE = 4  # at least, or lanes idle for want of a next query
 CHUNK = 16  # expansions between two refills
 SWEPT_CELLS = 2**16  # of a map on which sweeps are faster
 MOST_TURN_COST = 1000.0  # cells per 45 degrees
+LEAST_TURN_COST = 0.5 / STRAIGHT  # what is no more than that rounds to nothing
 REOPENINGS = 100  # expansions of a cell, on average, after which a search with reopening ends
 
 _SWEPT = {8: "octile", 4: "manhattan"}
@@ -94,7 +95,8 @@ def astar(
       starts: int[B, 2], cells (x, y); or int[2], shared.
       goals: int[B, 2], cells (x, y); or int[2], shared.
       turn_cost: gamma of Zhang et al. 2019, Eq. 6, in cells per 45 degrees of turning, to the
-        nearest 1/2378; the first move turns from nowhere. The paper's is 0.5.
+        nearest 1/2378, in the search and in `cost`; the first move turns from nowhere. The
+        paper's is 0.5.
       heuristic: "octile", "euclidean", "chebyshev", "manhattan" or "zero" (Dijkstra). Manhattan
         overestimates with diagonal moves (Zhang et al. 2019, Eq. 5): paths may be longer than
         the shortest.
@@ -143,7 +145,25 @@ def astar(
         table = astar_costs.distance_table(static, heuristic, float(weight))
     operands = _Operands(table, round(turn_cost * STRAIGHT), _budget(static, max_expansions))
     plan = _plan(scene, static, max_lanes or MOST_LANES)
-    return _search(scene, static, operands, plan, float(turn_cost))
+    return _search(scene, static, operands, plan, rounded_turn_cost(turn_cost))
+
+
+def rounded_turn_cost(turn_cost: Any) -> float:
+    """The turning cost that a search counts with, in cells per 45 degrees.
+
+    Raises:
+      BadTypeError: not a number.
+      BadInputError: below 0, above MOST_TURN_COST, or so small that it would count for nothing.
+    """
+    wanted = not_negative("turn_cost", turn_cost)
+    if wanted > MOST_TURN_COST:
+        raise BadInputError(f"turn_cost: got {turn_cost}; wanted at most {MOST_TURN_COST}")
+    if 0 < wanted <= LEAST_TURN_COST:
+        raise BadInputError(
+            f"turn_cost: got {turn_cost:g}; wanted 0, or more than 1/{2 * STRAIGHT} of a cell, "
+            "since costs are whole numbers of 1/2378"
+        )
+    return round(wanted * STRAIGHT) / STRAIGHT
 
 
 @dataclass(frozen=True)
@@ -174,13 +194,10 @@ def _options(
     """The choices of method, on a map of no size yet."""
     one_of("heuristic", heuristic, HEURISTICS)
     one_of("turn_mode", turn_mode, ("exact", "parent", "accumulated"))
-    if whole_number("connectivity", connectivity, 1) not in (4, 8):
-        raise BadInputError(f"connectivity: got {connectivity}; wanted 4 or 8")
-    turns = not_negative("turn_cost", turn_cost)
-    if turns > MOST_TURN_COST:
-        raise BadInputError(f"turn_cost: got {turn_cost}; wanted at most {MOST_TURN_COST}")
+    check_options(corner_cutting, connectivity)
+    turns = rounded_turn_cost(turn_cost)
     factor = not_negative("weight", weight)
-    mode = turn_mode if round(turns * STRAIGHT) else "none"
+    mode = turn_mode if turns else "none"
     consistent = factor <= 1 and heuristic in _CONSISTENT[connectivity]
     tabled = factor != 1 or heuristic == "euclidean"
     return AstarStatic(
@@ -297,6 +314,7 @@ class _Block:
 def _collected(scene: SearchScene, done: list[_Block], turn_cost: float) -> AstarResult:
     count = len(scene)
     longest = max([1, *(block.paths.cells.shape[1] for block in done)])
+    check_paths(count, longest)
     status = np.full(count, int(Status.BLOCKED), np.int32)
     expanded, path_length = np.zeros(count, np.int32), np.zeros(count, np.int32)
     cost, turning = np.full(count, np.inf), np.zeros(count)

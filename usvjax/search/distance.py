@@ -9,7 +9,7 @@ import numpy as np
 from usvjax.checks import one_of
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.search.inputs import check_memory, search_maps
+from usvjax.search.inputs import check_memory, check_options, search_maps
 from usvjax.search.sweeping import (
     MOST_LANES,
     capacity_for,
@@ -54,7 +54,8 @@ def distance_field(
       float32[B, H, W], in cells; inf where no goal can be reached, and in blocked cells.
 
     Raises:
-      BadTypeError: a map that is not boolean, goals that are not whole numbers.
+      BadTypeError: a map that is not boolean, goals or a connectivity that are not whole numbers,
+        a corner_cutting that is not a bool.
       BadInputError: an empty or ragged argument, unequal batches, a goal outside the map or
         (by default) blocked, a field without a goal, another option than those above, more
         memory than there is, or a cell farther away than 26,582 cells.
@@ -83,19 +84,6 @@ def distance_field(
         f"blocked: the field in row {rows[0]} has cells farther than 26,582 cells from its "
         "goals; wanted a map with shorter ways"
     )
-
-
-def check_options(corner_cutting: Any, connectivity: Any) -> None:
-    """Refuse options of a grid search that are not among those there are.
-
-    Raises:
-      BadTypeError: corner_cutting is not a bool.
-      BadInputError: connectivity is neither 4 nor 8.
-    """
-    if not isinstance(corner_cutting, bool | np.bool_):
-        raise BadTypeError(f"corner_cutting: got {corner_cutting!r}; wanted True or False")
-    if isinstance(connectivity, bool) or connectivity not in (4, 8):
-        raise BadInputError(f"connectivity: got {connectivity!r}; wanted 4 or 8")
 
 
 def _goal_sets(goals: Any) -> np.ndarray:

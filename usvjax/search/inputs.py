@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import one_of
+from usvjax.checks import one_of, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
 
@@ -103,6 +103,28 @@ def search_maps(blocked: Any) -> np.ndarray:
     if grids.size == 0:
         raise BadInputError(f"blocked: got shape {grids.shape}, which has no cells; wanted {_MAP}")
     return grids if grids.ndim == 3 else grids[None]
+
+
+def check_options(corner_cutting: Any, connectivity: Any) -> None:
+    """Refuse options of a grid search that are not among those there are.
+
+    Raises:
+      BadTypeError: corner_cutting is not a bool, or connectivity not a whole number.
+      BadInputError: connectivity is neither 4 nor 8.
+    """
+    check_corner_cutting(corner_cutting)
+    if whole_number("connectivity", connectivity, 1) not in (4, 8):
+        raise BadInputError(f"connectivity: got {connectivity}; wanted 4 or 8")
+
+
+def check_corner_cutting(value: Any) -> None:
+    """Refuse anything but a bool: "false" would count as True.
+
+    Raises:
+      BadTypeError: naming the value.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise BadTypeError(f"corner_cutting: got {value!r}; wanted True or False")
 
 
 def cell_rows(name: str, value: Any) -> np.ndarray:

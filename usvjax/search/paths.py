@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from usvjax.search.inputs import check_memory
 from usvkernels.search.astar import NO_HEADING
 from usvkernels.search.astar_costs import DIRECTIONS, AstarStatic
 
@@ -28,6 +29,15 @@ class Paths:
     count: np.ndarray
     length: np.ndarray
     turns: np.ndarray
+
+
+def check_paths(count: int, longest: int) -> None:
+    """Refuse to make an array of paths, int32[count, longest, 2], that memory cannot hold.
+
+    Raises:
+      BadInputError: naming both figures.
+    """
+    check_memory(8 * count * longest, f"starts: {count:,} paths of up to {longest:,} cells")
 
 
 def trace(static: AstarStatic, steps: np.ndarray, rows: np.ndarray, end: np.ndarray) -> Paths:

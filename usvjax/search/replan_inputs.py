@@ -7,7 +7,7 @@ import numpy as np
 
 from usvjax.checks import number, one_of
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.search.inputs import SearchScene
+from usvjax.search.inputs import SearchScene, check_corner_cutting
 from usvkernels.search.dstar_layout import INFINITE, NONE, Layout
 from usvkernels.search.replan_heuristics import HEURISTICS, LONGEST_EQ_17, largest_guide
 from usvkernels.search.steps import DIAGONAL
@@ -35,8 +35,7 @@ def check_method(
             )
         if not 1 <= number("weight", weight) <= _LARGEST_WEIGHT:
             raise BadInputError(f"weight: got {weight}; wanted 1 to {_LARGEST_WEIGHT}")
-    if not isinstance(corner_cutting, bool | np.bool_):
-        raise BadTypeError(f"corner_cutting: got {corner_cutting!r}; wanted True or False")
+    check_corner_cutting(corner_cutting)
     return None if sensing is None else _window(sensing)
 
 
@@ -51,6 +50,19 @@ def _window(sensing: Any) -> tuple[int, int]:
     if len(sensing) != 2 or any(n < 3 or n % 2 == 0 for n in sensing):
         raise BadInputError(f"sensing: got {sensing!r}; wanted {_WINDOW}")
     return int(sensing[0]), int(sensing[1])
+
+
+def clipped_window(sensing: tuple[int, int] | None, shape: tuple[int, int]) -> Any:
+    """The window no larger than what sees all of a map (H, W) from any of its cells.
+
+    Returns:
+      (h, w), odd and at least 3, or None where it was: what is noticed stays the same.
+    """
+    if sensing is None:
+        return None
+    return tuple(
+        min(size, max(2 * cells - 1, 3)) for size, cells in zip(sensing, shape, strict=True)
+    )
 
 
 def flip_table(flips: Any, shape: tuple[int, int], count: int) -> np.ndarray:

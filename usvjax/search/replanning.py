@@ -10,7 +10,13 @@ import numpy as np
 from usvjax.checks import whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.search.inputs import SearchScene, check_memory, search_scene
-from usvjax.search.replan_inputs import check_method, check_sizes, flip_table, repeated
+from usvjax.search.replan_inputs import (
+    check_method,
+    check_sizes,
+    clipped_window,
+    flip_table,
+    repeated,
+)
 from usvkernels.lanes import LEAST_LANES
 from usvkernels.search import dstar_lanes
 from usvkernels.search.dstar_layout import INFINITE, Layout, ReplanStatic
@@ -117,7 +123,7 @@ def dstar_lite(
         heuristic=heuristic,
         weight=None if weight is None else float(weight),
         corner_cutting=corner_cutting,
-        sensing=sensing,
+        sensing=clipped_window(sensing, scene.shape),
     )
     return _sail(_Task(scene, table, static, max_expansions, max_lanes))
 

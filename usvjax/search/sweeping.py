@@ -8,7 +8,8 @@ import jax
 import numpy as np
 
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
-from usvjax.search.inputs import SearchScene
+from usvjax.search.inputs import SearchScene, check_memory
+from usvjax.search.paths import check_paths
 from usvkernels.search.steps import SMALL_UNITS, UNITS, Units, cells, counts, manhattan, octile
 from usvkernels.search.sweep import Sweep, choose_block
 from usvkernels.search.sweep_search import Queries, Routes, solve
@@ -18,6 +19,8 @@ MOST_LANES = 64
 CACHE = 1 << 21  # bytes; a plane of a group of large maps stays within about this
 MOST_ROWS = 2048  # queries per call of a device; memory does not grow past it
 DETOURS = 0.9  # a greater distance, as a share of what 16 bits hold, goes to 32 bits at once
+COPIES = 1  # of what goes to a device or comes from it, here
+PLANES = 3  # of a group at once: lengths, those to the goal, and what is made of them
 LEFT_OVER = 16  # a group stops when a lane in so many is not done; these are regrouped
 LEAST_GROUPS = 4  # per device; with fewer, regrouping gains nothing
 
@@ -126,6 +129,7 @@ class _Table:
 
     def paths(self, scene: SearchScene) -> SweepPaths:
         longest = max(1, int(self.path_length.max(initial=1)))
+        check_paths(len(scene), longest)
         found = (self.status == Status.FOUND)[:, None]
         path = np.empty((len(scene), longest, 2), np.int32)
         path[:] = np.where(found, scene.goals, -1)[:, None]
@@ -159,6 +163,7 @@ def _solve_rows(
     while len(rows):
         devices = chosen_devices()
         groups = -(-len(rows) // sweep.lanes)
+        _check_room(scene, sweep, path_cells, groups, len(devices))
         leave = sweep.lanes // LEFT_OVER if groups >= LEAST_GROUPS * len(devices) else 0
         blocks = list(in_blocks(rows, sweep.lanes, len(devices), MOST_ROWS))
         work = partial(_solve_block, scene, sweep, path_cells, leave)
@@ -166,6 +171,19 @@ def _solve_rows(
             wanted = table.take(block, routes, sweep.units)
             path_cells = max(path_cells, 1 << (wanted - 1).bit_length())
         rows = rows[table.status[rows] == Status.RUNNING]
+
+
+def _check_room(
+    scene: SearchScene, sweep: Sweep, path_cells: int, groups: int, devices: int
+) -> None:
+    """Refuse calls, one on each device, that memory cannot hold."""
+    rows = capacity_for(groups, MOST_ROWS // sweep.lanes) * sweep.lanes
+    paths = 8 * rows * path_cells * (1 + COPIES)
+    maps = sweep.words * (1 if scene.shared else rows) * (1 + COPIES)
+    planes = (sweep.units.bits // 8) * sweep.size * PLANES
+    height, width = scene.shape
+    what = f"blocked: searches of {len(scene):,} queries on {width} x {height} cells"
+    check_memory(min(devices, groups) * (paths + maps + planes), what)
 
 
 def in_blocks(rows: np.ndarray, lanes: int, devices: int, rows_most: int) -> Iterator[np.ndarray]:

@@ -55,6 +55,8 @@ class Line:
         sharp: int32[J], how many of them a vessel cannot sail.
         length: float64[J], m.
         turning: float64[J], changes of course added up, rad.
+        left: float64[J, L, 2], m, corners that stayed where others were rounded, nan as padding;
+            None where none is to be.
     """
 
     points: np.ndarray
@@ -64,6 +66,7 @@ class Line:
     sharp: np.ndarray
     length: np.ndarray
     turning: np.ndarray
+    left: np.ndarray | None = None
 
 
 def as_it_is(cells: np.ndarray, counts: np.ndarray, sailing: Sailing) -> Line:
@@ -101,7 +104,8 @@ def with_arcs(cells: np.ndarray, counts: np.ndarray, sailing: Sailing) -> Line:
         spacing=min(sailing.turning_radius / 5, sailing.cell_size / 2),
     )
     corners = (found.turns != Turn.NONE).sum(axis=1, dtype=np.int32)
-    sharp = (found.turns == Turn.UNFITTED).sum(axis=1, dtype=np.int32)
+    unfitted = found.turns == Turn.UNFITTED
+    sharp = unfitted.sum(axis=1, dtype=np.int32)
     return Line(
         points=found.points,
         counts=found.counts,
@@ -110,6 +114,7 @@ def with_arcs(cells: np.ndarray, counts: np.ndarray, sailing: Sailing) -> Line:
         sharp=sharp,
         length=found.length.astype(np.float64),
         turning=found.turning.astype(np.float64),
+        left=np.where(unfitted[..., None], found.corners, np.nan),
     )
 
 

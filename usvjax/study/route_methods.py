@@ -4,14 +4,22 @@ Studies, the command line and figures share these names, and `find_routes`, whic
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.paths.blocks import padded_points
 from usvjax.paths.metrics import path_metrics
-from usvjax.search.astar import MOST_TURN_COST, AstarResult, astar
+from usvjax.search.astar import (
+    LEAST_TURN_COST,
+    MOST_TURN_COST,
+    AstarResult,
+    astar,
+    rounded_turn_cost,
+)
 from usvjax.study.route_finish import FINISHES, Sailing
 from usvjax.study.route_queries import Queries
 from usvkernels.status import Status
@@ -134,6 +142,8 @@ class Routes:
         cost: float64[J], m, the length and the turning cost of the search.
         min_clearance: float64[J], m, from the route to the nearest blocked cell.
         expanded: int32[J], cells (with exact turning cost, states) that the search expanded.
+        left: float64[J, L, 2], m, corners that stayed where others were rounded, NaN as padding;
+            None where none is to be.
     """
 
     status: np.ndarray
@@ -147,10 +157,19 @@ class Routes:
     cost: np.ndarray
     min_clearance: np.ndarray
     expanded: np.ndarray
+    left: np.ndarray | None = None
+
+    @property
+    def sailable(self) -> np.ndarray:
+        """int32[J], 1 where there is a route and no turn on it is too sharp, else 0."""
+        return ((self.counts > 0) & (self.sharp_turns == 0)).astype(np.int32)
 
 
 def check_options(
-    search: SearchOptions, smoothing: SmoothingOptions, longest: float, where: str
+    search: SearchOptions,
+    smoothing: SmoothingOptions,
+    longest: float,
+    named: Callable[[str, str], str],
 ) -> None:
     """Refuse settings that cannot be used.
 
@@ -158,39 +177,32 @@ def check_options(
         search: the `[search]` table.
         smoothing: the `[smoothing]` table.
         longest: m, the longer side of the map.
-        where: the study file, for the messages.
+        named: gives what a user calls a table's key, which begins the message.
 
     Raises:
-        BadInputError: naming the table and the key.
+        BadInputError: naming the key as the user knows it.
     """
+
+    def refuse(table: str, key: str, wanted: str, value: float) -> NoReturn:
+        raise BadInputError(f"{named(table, key)} must be {wanted}, got {value:g}")
+
     if search.connectivity not in (4, 8):
-        raise BadInputError(
-            f"{where}: [search]: 'connectivity' must be 4 or 8, got {search.connectivity}"
-        )
-    if not 0.0 <= search.turn_cost <= MOST_TURN_COST:
-        raise BadInputError(
-            f"{where}: [search]: 'turn_cost' must lie between 0 and {MOST_TURN_COST:g}, "
-            f"got {search.turn_cost:g}"
-        )
+        refuse("search", "connectivity", "4 or 8", search.connectivity)
+    cost = search.turn_cost
+    if not (cost == 0.0 or LEAST_TURN_COST < cost <= MOST_TURN_COST):
+        wanted = f"0, or above {LEAST_TURN_COST:.2g} and at most {MOST_TURN_COST:g}"
+        refuse("search", "turn_cost", wanted, cost)
     if not 1.0 <= search.weight < math.inf:
-        raise BadInputError(
-            f"{where}: [search]: 'weight' must be at least 1, got {search.weight:g}"
-        )
+        refuse("search", "weight", "at least 1", search.weight)
     if search.max_expansions is not None and search.max_expansions < 1:
-        raise BadInputError(
-            f"{where}: [search]: 'max_expansions' must be at least 1, got {search.max_expansions}"
-        )
+        refuse("search", "max_expansions", "at least 1", search.max_expansions)
     if smoothing.repair < 0:
-        raise BadInputError(
-            f"{where}: [smoothing]: 'repair' must be 0 or more, got {smoothing.repair}"
-        )
-    for name in ("turning_radius", "safety_range"):
-        value = getattr(smoothing, name)
+        refuse("smoothing", "repair", "0 or more", smoothing.repair)
+    for key in ("turning_radius", "safety_range"):
+        value = getattr(smoothing, key)
         if value is not None and not 0.0 < value <= longest:
-            raise BadInputError(
-                f"{where}: [smoothing]: {name!r} must be above 0 and at most {longest:g} m, the "
-                f"longer side of the map, got {value:g}"
-            )
+            wanted = f"above 0 and at most {longest:g} m, the longer side of the map"
+            refuse("smoothing", key, wanted, value)
 
 
 def find_paths(queries: Queries, options: SearchOptions, method: str) -> AstarResult:
@@ -275,7 +287,8 @@ def finish_routes(
         turns=line.corners,
         sharp_turns=line.sharp,
         turning=turning,
-        cost=length + search.turn_cost * area.cell_size * turning / (np.pi / 4),
+        cost=length + rounded_turn_cost(search.turn_cost) * area.cell_size * turning / (np.pi / 4),
         min_clearance=room,
         expanded=found.expanded,
+        left=line.left,
     )

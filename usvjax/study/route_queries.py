@@ -137,7 +137,7 @@ class RandomQueries:
         Raises:
             BadInputError: a job has no two cells that serve.
         """
-        grids = _random_grids(seed, jobs, self.shape, self.density)
+        grids = random_grids(seed, jobs, self.shape, self.density)
         groups = (~grids).astype(np.int32) if self.ends == "free" else _components(grids)
         least = self.min_distance / self.cell_size
         starts, goals = _draw_ends(seed, jobs, groups, least, f"a map of density {self.density:g}")
@@ -239,9 +239,7 @@ def _check_ends(ends: str, known: tuple[str, ...], min_distance: float, where: s
         raise BadInputError(f"{where}: 'min_distance' must be 0 or more, got {min_distance:g}")
 
 
-def _random_grids(
-    seed: int, jobs: np.ndarray, shape: tuple[int, int], density: float
-) -> np.ndarray:
+def random_grids(seed: int, jobs: np.ndarray, shape: tuple[int, int], density: float) -> np.ndarray:
     """The maps of int64[J] jobs, bool[J, H, W]."""
     if len(jobs) and (np.diff(jobs) == 1).all():
         return random_maps(seed, len(jobs), shape, density, first=int(jobs[0]))

@@ -93,6 +93,7 @@ class RouteWorkload:
         Metric("cost", "m", "With turn cost"),
         Metric("turns", "", "Turns", integer=True),
         Metric("sharp_turns", "", "Sharp turns", integer=True),
+        Metric("sailable", "", "Sailable (share)", integer=True),
         Metric("turning", "rad", "Turning"),
         Metric("min_clearance", "m", "Min clearance"),
         Metric("expanded", "", "Expanded", integer=True),
@@ -113,7 +114,8 @@ class RouteWorkload:
         source.check(place)
         search = read_table(SearchOptions, settings["search"], f"{where}: [search]")
         smoothing = read_table(SmoothingOptions, settings["smoothing"], f"{where}: [smoothing]")
-        check_options(search, smoothing, source.cell_size * max(source.shape), where)
+        longest = source.cell_size * max(source.shape)
+        check_options(search, smoothing, longest, lambda table, key: f"{where}: [{table}]: {key!r}")
         if smoothing.turning_radius is None:
             smoothing = replace(smoothing, turning_radius=source.cell_size)
         in_force = {

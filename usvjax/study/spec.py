@@ -35,7 +35,7 @@ class StudyFile:
 
     Attributes:
         name: also the name of the run directory.
-        kind: what an episode is; "dwa" or "route".
+        kind: what an episode is; "dwa", "route" or "cruise".
         seed: one seed for the whole study.
         episodes: per condition and method; with `until`, at most so many.
         shard: episodes per shard, the unit of work and of resuming.

@@ -115,6 +115,7 @@ class Workload(Protocol):
 _KINDS = {
     "dwa": "usvjax.study.dwa_workload:DwaWorkload",
     "route": "usvjax.study.route_workload:RouteWorkload",
+    "cruise": "usvjax.study.cruise_workload:CruiseWorkload",
 }
 
 

@@ -75,25 +75,42 @@ def sample(
 
     Returns:
       float[B, capacity, 2], points, the last repeated; float[B, capacity], headings (rad);
-      float[B, capacity], curvatures; int32[B], points of each path.
+      float[B, capacity], curvatures; int32[B], points of each path, two at least where it has a
+      length.
     """
-    ends = jnp.cumsum(primitives.length, axis=1)
-    total = ends[:, -1]
-    count = jnp.ceil(total / spacing - 1e-3).astype(jnp.int32) + 1
+    ends = _ends(primitives.length)
     place = jnp.arange(capacity, dtype=jnp.int32)
 
-    def fill(path: Primitives, ends: Array) -> tuple[Array, Array, Array]:
-        distance = jnp.minimum(place * spacing, ends[-1])
-        on = jnp.searchsorted(ends, distance, side="left")
-        on = jnp.minimum(on, ends.shape[0] - 1)
-        rest = distance - (ends[on] - path.length[on])
+    def fill(path: Primitives, ends: Array) -> tuple[Array, Array, Array, Array]:
+        # Beyond the last piece there is nothing, whatever rounding makes of its end.
+        last = jnp.max(jnp.where(path.length > 0.0, jnp.arange(ends.shape[0]), 0))
+        total = ends[last]
+        distance = place * spacing
+        on = jnp.minimum(jnp.searchsorted(ends, distance, side="left"), last)
+        on = jnp.where(distance < total, on, last)
+        rest = jnp.clip(distance - (ends[on] - path.length[on]), 0.0, path.length[on])
+        rest = jnp.where(distance < total, rest, path.length[last])
         start = path.start[on]
         x, y = arc_point((start[:, 0], start[:, 1]), path.heading[on], path.curvature[on], rest)
         return (
             jnp.stack([x, y], -1),
             wrap_angle(path.heading[on] + path.curvature[on] * rest),
             path.curvature[on],
+            jnp.where(total > 0.0, jnp.maximum(_steps_of(total, spacing), 1), 0) + 1,
         )
 
-    points, heading, curvature = jax.vmap(fill)(primitives, ends)
+    points, heading, curvature, count = jax.vmap(fill)(primitives, ends)
     return points, heading, curvature, jnp.minimum(count, capacity)
+
+
+def _ends(length: Array) -> Array:
+    """Where pieces float[B, S] end along their paths, never less than the one before.
+
+    Rounding of a sum in pairs may put an end before that of the piece before it.
+    """
+    return jax.lax.cummax(jnp.cumsum(length, axis=1), axis=1)
+
+
+def _steps_of(total: Array, spacing: Array | float) -> Array:
+    # A path of a whole number of spacings must not gain a point through rounding.
+    return jnp.ceil(total / spacing - 1e-3).astype(jnp.int32)

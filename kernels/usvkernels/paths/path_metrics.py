@@ -92,4 +92,5 @@ def least_clearance(charts: Charts, points: Array, counts: Array, limit: Array |
 
     zero = jnp.int32(0)
     _, best = jax.lax.while_loop(unfinished, ring, (jnp.int32(1), squared(zero, zero)))
-    return jnp.where(best <= limit * limit, jnp.sqrt(best), jnp.inf)
+    distance = jnp.sqrt(best)
+    return jnp.where(distance <= limit, distance, jnp.inf)

@@ -12,8 +12,9 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from usvkernels.lanes import LEAST_LANES
-from usvkernels.search.dstar_layout import BLOCKED, INFINITE, NONE, ReplanStatic
-from usvkernels.search.dstar_lite import Episodes, Lanes, advance, first_key
+from usvkernels.search.dstar_layout import ReplanStatic
+from usvkernels.search.dstar_lite import Episodes, Lanes, advance
+from usvkernels.search.dstar_search import begin_planes, first_key, idle_searches
 
 NARROWING = 4
 """How many times fewer lanes the last episodes get."""
@@ -76,20 +77,14 @@ def run(
 
 
 def _idle(static: ReplanStatic, lanes: int) -> Lanes:
-    size, blocks = static.layout.size, static.layout.blocks
     zero = jnp.zeros(lanes, jnp.int32)
-    values = dict.fromkeys((f.name for f in fields(Lanes)), zero)
     return Lanes(
-        **values
-        | {
-            "g": jnp.full(lanes * size, BLOCKED, jnp.int32),
-            "key": jnp.full(lanes * size, NONE, jnp.int32),
-            "unseen": jnp.zeros(lanes * size if static.sensing else 0, bool),
-            "bounds": jnp.full((blocks, lanes), NONE, jnp.int32),
-            "live": jnp.zeros(lanes, bool),
-            "moved": jnp.zeros(lanes, bool),
-            "here": zero + static.layout.void,
-        }
+        **idle_searches(static, lanes),
+        unseen=jnp.zeros(lanes * static.layout.size if static.sensing else 0, bool),
+        job=zero,
+        record=zero,
+        cursor=zero,
+        moved=jnp.zeros(lanes, bool),
     )
 
 
@@ -104,22 +99,19 @@ def _refilled(static: ReplanStatic, episodes: Episodes, n_jobs: Array, queue: _Q
 
     def begin(i: Array, planes: tuple[Array, ...]) -> tuple[Array, ...]:
         lane = order[i]
-        g, key_plane, unseen, bounds = planes
+        unseen = planes[3]
         blocked = lax.dynamic_index_in_dim(episodes.blocked, episodes.map_of[job[lane]], 0, False)
-        fresh = jnp.where(blocked, jnp.int32(BLOCKED), jnp.int32(INFINITE))
-        g = lax.dynamic_update_slice(g, fresh, (lane * size,))
-        queued = jnp.full(size, NONE, jnp.int32).at[goal[lane]].set(key[lane])
-        key_plane = lax.dynamic_update_slice(key_plane, queued, (lane * size,))
-        least = jnp.min(queued.reshape(-1, static.layout.block), axis=1)
-        bounds = lax.dynamic_update_slice(bounds, least[:, None], (jnp.int32(0), lane))
+        g, keys, bounds = begin_planes(
+            static, (planes[0], planes[1], planes[2]), lane, blocked, goal[lane], key[lane]
+        )
         if static.sensing:
             unseen = lax.dynamic_update_slice(unseen, jnp.zeros(size, bool), (lane * size,))
-        return g, key_plane, unseen, bounds
+        return g, keys, bounds, unseen
 
     order = jnp.argsort(~takes, stable=True).astype(jnp.int32)
     count = jnp.sum(takes, dtype=jnp.int32)
-    planes = (lanes.g, lanes.key, lanes.unseen, lanes.bounds)
-    g, keys, unseen, bounds = lax.fori_loop(0, count, begin, planes)
+    planes = (lanes.g, lanes.key, lanes.bounds, lanes.unseen)
+    g, keys, bounds, unseen = lax.fori_loop(0, count, begin, planes)
 
     def fresh(new: Array | int, old: Array) -> Array:
         return jnp.where(takes, new, old)

@@ -1,22 +1,7 @@
-"""D* Lite on grids whose cells change, one cell touched per lane and iteration.
+"""Episodes of D* Lite on grids whose cells change, from a table of changes.
 
-Koenig and Likhachev, "D* Lite" (2002), searching from the goal to the vessel, with km and with
-updates of only what a change affects. Everything that alters values is one operation
-(`dstar_patch`): a cell is expanded, becomes blocked or becomes free, and the 3 x 3 cells about it
-get their new rhs and key. So a lane that expands and one that learns of a change do the same
-work, and the vessel's move reads the same patch.
-
-State per lane is two planes: g (BLOCKED where not navigable) and the key (NONE where locally
-consistent, that is, not queued); rhs follows from g. The queue is the plane of keys with a lower
-bound for each block of cells: the least bound names the block to read. Where the block's least
-key turns out larger, as its holder was updated away, the bound is put right and the lane tries
-again.
-
-Keys have one part where the paper has two; see `replan_heuristics`. A cell whose value got worse
-is keyed by the consistent bound, one that got better by the guide (as in Likhachev et al.,
-"Anytime D*", 2005). So even with a guide that overestimates, no search builds on a value that has
-lost its support, and the path that it leaves can be sailed. A search ends when the vessel's cell
-is itself consistent and no key is below its own.
+A step is: change, replan, move, record. The search is that of `dstar_search`; here is what comes
+between two searches: which changes are due, which of them the vessel sees, its move.
 """
 
 from dataclasses import dataclass, replace
@@ -27,16 +12,16 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from usvkernels.search.dstar_layout import INFINITE, NONE, TOP, ReplanStatic
-from usvkernels.search.dstar_patch import Outcome, Touch, offsets, separation, touch_patch
-from usvkernels.search.replan_heuristics import bound, guide
-from usvkernels.xla.stage import stage
-
-GAVE_UP = -1
-"""Recorded as cost-to-go by a lane that met a bound on its work or on lengths."""
-
-NOWHERE = 2**30
-"""Place of a record that is not due, past the end of any array of records."""
+from usvkernels.search.dstar_layout import INFINITE, TOP, ReplanStatic
+from usvkernels.search.dstar_patch import Outcome
+from usvkernels.search.dstar_search import (
+    GAVE_UP,
+    NOWHERE,
+    Searches,
+    lane_numbers,
+    standing,
+    worked,
+)
 
 _INSIDE = "promise_in_bounds"
 
@@ -70,30 +55,14 @@ class Episodes:
 
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
-class Lanes:
+class Lanes(Searches):
     """Episodes under way. A step is: change, replan, move, record; record 0 is of the start."""
 
-    g: Array  # int32[lanes * size]
-    key: Array  # int32[lanes * size]
     unseen: Array  # bool[lanes * size], truth differs from what is known; empty without sensing
-    bounds: Array  # int32[blocks, lanes], at most the least key of each block
     job: Array  # int32[lanes], and so are all below
-    live: Array  # bool[lanes]
     record: Array  # the record that is being worked on
     cursor: Array  # next of this step's flips
     moved: Array  # bool[lanes], with sensing: this step's move is made, its view not yet digested
-    here: Array  # the vessel's cell
-    goal: Array
-    origin: Array  # the vessel's cell when it last searched: keys are relative to it
-    lead: Array  # km: by how much keys of then exceed those of the start
-    expanded: Array  # since the last record
-    iterations: Array  # since the last record
-
-
-def first_key(static: ReplanStatic, start: Array, goal: Array) -> Array:
-    """Key of the goal, the first cell of any queue; int32[lanes], as `start` and `goal`."""
-    to_goal = separation(static.layout, start, goal)
-    return guide(static.heuristic, static.weight, *to_goal, *to_goal)
 
 
 def advance(static: ReplanStatic, episodes: Episodes, lanes: Lanes) -> tuple[Lanes, Array, Array]:
@@ -110,31 +79,14 @@ def advance(static: ReplanStatic, episodes: Episodes, lanes: Lanes) -> tuple[Lan
       cut off, or GAVE_UP) and expansions since the record before.
     """
     lanes, changing, changed = _next_change(static, episodes, lanes)
-    least = jnp.min(lanes.bounds, axis=0)
-    value, ahead, settled = _standing(static, lanes, least)
-    moving = lanes.live & ~changing & settled
-    searching = lanes.live & ~changing & ~settled
-    flip = changing & (changed != static.layout.void)
-    lanes = replace(
-        lanes,
-        lead=lanes.lead + jnp.where(searching | flip, ahead, 0),
-        origin=jnp.where(searching | flip, lanes.here, lanes.origin),
+    now = standing(static, lanes)
+    moving = lanes.live & ~changing & now.settled
+    searching = lanes.live & ~changing & ~now.settled
+    otherwise = jnp.where(moving, lanes.here, static.layout.void)
+    lanes, outcome = worked(
+        static, lanes, now, searching=searching, changed=changed, otherwise=otherwise
     )
-    otherwise = jnp.where(moving, lanes.here, changed)
-    lanes, touch = _popped(static, lanes, searching, least, otherwise, flip)
-    lanes, outcome = _touched(static, lanes, touch)
-    return _moved_and_recorded(static, episodes, lanes, moving, value, outcome)
-
-
-def _lane(lanes: Lanes) -> Array:
-    return jnp.arange(lanes.job.shape[0], dtype=jnp.int32)
-
-
-def _first(mask: Array) -> Array:
-    """Index of the first True along the first axis; the last index where there is none."""
-    n = mask.shape[0]
-    index = jnp.arange(n, dtype=jnp.int32)[:, None]
-    return jnp.min(jnp.where(mask, index, n - 1), axis=0)
+    return _moved_and_recorded(static, episodes, lanes, moving, now.value, outcome)
 
 
 def _next_change(
@@ -153,7 +105,7 @@ def _next_change(
     flip = jnp.where(due & (flip != lanes.here) & (flip != lanes.goal), flip, void)
     if static.sensing is not None:
         noticed = jnp.where(lanes.live & ~due, _in_view(static, lanes), void)
-        place = _lane(lanes) * static.layout.size + jnp.where(due, flip, noticed)
+        place = lane_numbers(lanes) * static.layout.size + jnp.where(due, flip, noticed)
         unseen = ~lanes.unseen.at[place].get(mode=_INSIDE) & (flip != void)
         unseen = lanes.unseen.at[place].set(unseen, unique_indices=True, mode=_INSIDE)
         lanes = replace(lanes, unseen=unseen)
@@ -170,73 +122,9 @@ def _in_view(static: ReplanStatic, lanes: Lanes) -> Array:
     x = lanes.here % layout.stride + columns[:, None]
     inside = (y >= TOP) & (y < TOP + layout.height) & (x >= 0) & (x < layout.width)
     cells = jnp.where(inside, y * layout.stride + x, layout.void)
-    unseen = lanes.unseen.at[_lane(lanes) * layout.size + cells].get(mode=_INSIDE)
+    unseen = lanes.unseen.at[lane_numbers(lanes) * layout.size + cells].get(mode=_INSIDE)
     nearest = jnp.min(jnp.where(unseen, cells, layout.size), axis=(0, 1))
     return jnp.where(nearest < layout.size, nearest, layout.void)
-
-
-def _standing(static: ReplanStatic, lanes: Lanes, least: Array) -> tuple[Array, Array, Array]:
-    """The vessel's cost-to-go, how far it is from the origin of the keys, whether both hold."""
-    place = _lane(lanes) * static.layout.size + lanes.here
-    value = lanes.g.at[place].get(mode=_INSIDE)
-    consistent = lanes.key.at[place].get(mode=_INSIDE) == NONE
-    ahead = bound(static.heuristic, *separation(static.layout, lanes.origin, lanes.here))
-    own_key = jnp.where(value < INFINITE, value + ahead + lanes.lead, NONE)
-    return value, ahead, consistent & (least >= own_key)
-
-
-def _popped(
-    static: ReplanStatic,
-    lanes: Lanes,
-    searching: Array,
-    least: Array,
-    otherwise: Array,
-    flip: Array,
-) -> tuple[Lanes, Touch]:
-    """Take the first cell off the queue where a lane is searching, else touch another cell.
-
-    Of cells with equal keys the one in the lowest row comes first, then that in the lowest column.
-    """
-    layout = static.layout
-    block = _first(lanes.bounds == least)
-    within = jnp.arange(layout.block, dtype=jnp.int32)[:, None]
-    places = _lane(lanes) * layout.size + block * layout.block + within
-    keys = lanes.key.at[places].get(mode=_INSIDE)
-    key = jnp.min(keys, axis=0)
-    slot = _first(keys == key)
-    popped = searching & (key == least)
-    left = jnp.min(jnp.where(popped & (within == slot), NONE, keys), axis=0)
-    bounds = lanes.bounds.at[block, _lane(lanes)].set(left, unique_indices=True, mode=_INSIDE)
-    touch = Touch(
-        cell=jnp.where(popped, block * layout.block + slot, otherwise),
-        flip=flip,
-        popped=popped,
-        key=key,
-        goal=lanes.goal,
-        origin=lanes.origin,
-        lead=lanes.lead,
-    )
-    return replace(lanes, bounds=bounds), touch
-
-
-def _touched(static: ReplanStatic, lanes: Lanes, touch: Touch) -> tuple[Lanes, Outcome]:
-    """The lanes after their touches, and what came of these."""
-    layout, first = static.layout, _lane(lanes) * static.layout.size
-    patch = lanes.g.at[first + touch.cell + offsets(layout, 2)].get(mode=_INSIDE)
-    outcome = stage(jnp.any(lanes.live), partial(touch_patch, static), touch, patch)
-    cells = touch.cell + offsets(layout, 1)
-    keys = lanes.key.at[first + cells].set(outcome.keys, unique_indices=True, mode=_INSIDE)
-    bounds = lanes.bounds.at[cells // layout.block, _lane(lanes)].min(outcome.keys, mode=_INSIDE)
-    g = lanes.g.at[first + touch.cell].set(outcome.g, unique_indices=True, mode=_INSIDE)
-    lanes = replace(
-        lanes,
-        g=g,
-        key=keys,
-        bounds=bounds,
-        expanded=lanes.expanded + outcome.expanded,
-        iterations=lanes.iterations + lanes.live,
-    )
-    return lanes, outcome
 
 
 def _moved_and_recorded(

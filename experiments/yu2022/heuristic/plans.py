@@ -9,7 +9,7 @@ from scipy import ndimage
 
 import usvjax as uj
 from experiments.parallel import on_own_devices
-from experiments.yu2022.published import HEURISTICS, SENSING
+from experiments.yu2022.heuristic.published import HEURISTICS, SENSING
 from usvjax.search.replanning import dstar_lite
 from usvkernels.status import Status
 

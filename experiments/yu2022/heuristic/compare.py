@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from experiments.estimates import LEVEL, ratio, share
-from experiments.yu2022.plans import Sailed
-from experiments.yu2022.published import HEURISTICS, TRADITIONAL
+from experiments.yu2022.heuristic.plans import Sailed
+from experiments.yu2022.heuristic.published import HEURISTICS, TRADITIONAL
 from usvjax.study.statistics import averages
 from usvkernels.status import Status
 

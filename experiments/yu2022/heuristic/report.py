@@ -1,55 +1,41 @@
-"""The report on Yu et al. 2022 as Markdown: a summary first, then every table."""
+"""The part of the report about the heuristic, as Markdown."""
 
 from collections.abc import Mapping
 from typing import Any
 
-from experiments.markdown import bullets, grid, interval
-from experiments.verdicts import verdict_table
-from experiments.yu2022.plans import APART, EPISODES, PLANS
-from experiments.yu2022.published import HEURISTICS, SENSING, TRADITIONAL
-from experiments.yu2022.verdicts import SAME
+from experiments.markdown import grid, interval
+from experiments.yu2022.heuristic.plans import APART, EPISODES, PLANS
+from experiments.yu2022.heuristic.published import HEURISTICS, SENSING, TRADITIONAL
+from experiments.yu2022.heuristic.verdicts import SAME
 
 Found = Mapping[str, Any]
 
 
-def markdown(found: Found) -> str:
-    """Write the report.
+FIGURES = (
+    "`figures/fig5.png`: cells expanded (grey) and path (red) with each heuristic.",
+    "`figures/heuristics.png`: expansions and lengths on all kinds of maps.",
+)
+
+
+def tables(found: Found) -> str:
+    """Write the tables.
 
     Args:
-        found: all results, as in results.json.
-
-    Returns:
-        The text, ending in a newline.
+        found: all results of this part, as in results.json.
     """
-    maps = f"{found['settings']['maps']:,}"
-    parts = [
-        "# Yu et al. 2022: the heuristic of D* Lite",
-        f"The paper's Fig. 5 on a map of ours, then on {maps} random maps of each kind, at rest "
-        "and while they change. Written by `usvjax reproduce yu2022`; all numbers are in "
-        "`results.json`.",
-        "## Summary\n\n" + bullets(_summary(found)),
-        "## Verdict on each claim\n\n" + _verdicts(found),
-        "## How the paper was read\n\n" + bullets(_readings(found)),
-        "## Fig. 5 on one map\n\n" + _shown(found),
-        f"## First plans on {maps} maps\n\n" + _plans(found),
-        f"## Episodes on {maps} maps that change\n\n" + _episodes(found),
-        "## Figures\n\n"
-        + bullets(
-            [
-                "`figures/fig5.png`: cells expanded (grey) and path (red) with each heuristic.",
-                "`figures/heuristics.png`: expansions and lengths on all kinds of maps.",
-            ]
-        ),
-    ]
-    return "\n\n".join(parts) + "\n"
+    maps = f"{found['maps']:,}"
+    return "\n\n".join(
+        [
+            "### Fig. 5 on one map\n\n" + _shown(found),
+            f"### First plans on {maps} maps\n\n" + _plans(found),
+            f"### Episodes on {maps} maps that change\n\n" + _episodes(found),
+        ]
+    )
 
 
-def _summary(found: Found) -> list[str]:
-    lines = []
-    for word in ("reproduces", "depends on the reading", "does not reproduce", "too few maps"):
-        claims = [v["claim"] for v in found["verdicts"] if v["verdict"] == word]
-        if claims:
-            lines.append(f"**{word[0].upper()}{word[1:]}**: {'; '.join(claims)}.")
+def summary(found: Found) -> list[str]:
+    """Sentences for the head of the report."""
+    lines: list[str] = []
     label, table = next(iter(found["plans"].items()))
     rows = table["heuristics"]
     if not table["n"]:
@@ -80,19 +66,20 @@ def _longer(row: Found) -> str:
     return f"{100 * (row['length_ratio']['value'] - 1):.1f} %"
 
 
-def _verdicts(found: Found) -> str:
+def note() -> str:
+    """How to read the verdicts."""
     kinds = "; ".join(condition.label for condition in PLANS)
     changing = "; ".join(condition.label for condition in EPISODES)
-    note = (
+    return (
         f"In the order: {kinds}; while the map changes: {changing}. Fewer: the geometric mean "
         "of the ratio of expansions, map by map, lies below 1 with its 95 % interval on every "
         f"kind of map. The same: the path is as short on {100 * SAME:.0f} % of the maps of every "
         "kind. The octile distance stands beside the readings of Eq. 17 and does not count."
     )
-    return verdict_table(found["verdicts"]) + "\n\n" + note
 
 
-def _readings(found: Found) -> list[str]:
+def readings(found: Found) -> list[str]:
+    """How the paper was read."""
     return [
         "Fig. 5 gives no numbers and its map is not printed. Ours: each cell blocked with the "
         "density as probability, at the sizes and densities of the paper's ordinary and complex "

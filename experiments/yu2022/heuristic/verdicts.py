@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from experiments.verdicts import UNKNOWN, Finding, Verdict, weigh
-from experiments.yu2022.published import FEWER, SAME_PATH
+from experiments.yu2022.heuristic.published import FEWER, SAME_PATH
 
 READINGS = {"weighted": "Eq. 17 as printed", "weighted_octile": "weighted octile"}
 """Heuristics that Eq. 17 may mean; only they count."""

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.grid_figures import draw_path, paint_cells
-from experiments.yu2022.expansion import Cell
-from experiments.yu2022.plans import Sailed, Scenes
-from experiments.yu2022.published import HEURISTICS, TRADITIONAL
+from experiments.yu2022.heuristic.expansion import Cell
+from experiments.yu2022.heuristic.plans import Sailed, Scenes
+from experiments.yu2022.heuristic.published import HEURISTICS, TRADITIONAL
 from usvjax.plots import save, style
 
 DPI = 130

@@ -1,0 +1,80 @@
+"""Tables 3, 4, 6 and 7 and Figs. 6 to 15: all cases, all algorithms."""
+
+from dataclasses import asdict
+
+import numpy as np
+
+import usvjax as uj
+from experiments.files import progress
+from experiments.yu2022.cruises import report
+from experiments.yu2022.cruises.compare import compare, vary
+from experiments.yu2022.cruises.figures import draw
+from experiments.yu2022.cruises.published import RUNS
+from experiments.yu2022.cruises.runs import Plan, Results, Varied, sail_all, sail_varied, time_alone
+from experiments.yu2022.cruises.verdicts import judge
+from experiments.yu2022.parts import Part
+
+REPEATS = 9
+"""Cruises of each algorithm that are timed alone."""
+SEARCHES = 1000
+"""Runs of the search for the shortest tour."""
+VARIED_RUNS = 200
+CASE_RUNS, CASE_SWARM_RUNS = 200, 6
+"""Runs in Cases 2 to 4, for which the paper gives one value each."""
+QUICK_RUNS, QUICK_SWARM_RUNS, QUICK_REPEATS = 24, 2, 3
+
+
+def run(runs: int, seed: int, quick: bool) -> Part:
+    """Sail all cruises.
+
+    Args:
+        runs: of the algorithms that sail by D* Lite, in each case.
+        seed: of maps, flips and swarms.
+        quick: a few cruises of one case.
+    """
+    swarms = min(runs, RUNS)
+    plan = Plan(
+        runs=runs,
+        swarm_runs=swarms,
+        case_runs=min(runs, CASE_RUNS),
+        case_swarm_runs=min(swarms, CASE_SWARM_RUNS),
+        varied_runs=min(runs, VARIED_RUNS),
+        repeats=REPEATS,
+        seed=seed,
+    )
+    if quick:
+        few, fewer = min(runs, QUICK_RUNS), min(runs, QUICK_SWARM_RUNS)
+        plan = Plan(few, fewer, few, fewer, few, QUICK_REPEATS, seed, (1,), ("ordinary",))
+    with progress("cruises: batches", plan.total) as advance:
+        results = sail_all(plan, advance)
+        varied = sail_varied(plan, advance)
+        seconds = time_alone(plan, advance)
+    optima = {
+        (environment.name, case): _shortest(environment.cases[case], seed)
+        for environment, case in plan.chosen
+    }
+    found, flips = compare(results, optima, seconds), vary(varied)
+    return Part(
+        name="cruises",
+        title="Whole cruises: Tables 3, 4, 6 and 7",
+        found={"plan": asdict(plan), "cases": found, "flips": flips},
+        verdicts=judge(found),
+        note="",
+        summary=report.summary(found),
+        readings=report.readings(),
+        text=report.section(found) + "\n\n" + report.flips(flips),
+        figures=report.FIGURES,
+        draw=lambda into: draw(results, found, seed, into),
+        done=f"{_cruises(results, varied):,} cruises",
+    )
+
+
+def _shortest(stations: np.ndarray, seed: int) -> float:
+    """Length of the shortest tour, cells: exact for 10 stations, the best of many runs for 20."""
+    return float(uj.solve_tour(stations, seed, runs=SEARCHES).length.min())
+
+
+def _cruises(results: Results, varied: Varied) -> int:
+    own = sum(len(own.complete) for sailed in results.values() for own in sailed.values())
+    kinds = [algorithms for rows in varied.values() for algorithms in rows.values()]
+    return own + sum(len(found.status) for algorithms in kinds for found in algorithms.values())

@@ -1,0 +1,182 @@
+"""Figs. 2 and 16 of Yu et al. 2022, and what longer runs and moved optima add to them."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from experiments.yu2022.functions.compare import PAIRS, law, names
+from experiments.yu2022.functions.published import ALGORITHMS, ITERATIONS, MEAN
+from experiments.yu2022.functions.runs import Results
+from usvjax.plots import save, style
+from usvkernels.swarms.functions import TABLE_8
+
+DPI = 130
+_PUBLISHED_AT = 75  # place of the published values on an axis of iterations
+LOOKS = {
+    "aco": style.Look(style.ORANGE, "--", "s"),
+    "ga": style.Look(style.GREEN, "-.", "^"),
+    "cmpso": style.Look(style.PURPLE, ":", "d"),
+    "gwo": style.Look(style.BLACK, "-", "o"),
+    "igwo": style.Look(style.BLUE, "-", "v"),
+}
+_LAW_LOOKS = (
+    style.Look(style.BLUE, "-", "v"),
+    style.Look(style.SKY, "--", "s"),
+    style.Look(style.GREEN, "-.", "^"),
+    style.Look(style.PURPLE, ":", "d"),
+    style.Look(style.ORANGE, "--", "o"),
+)
+
+
+def draw(results: Results, found: Mapping[str, Any], folder: Path) -> list[Path]:
+    """Draw all figures.
+
+    Args:
+        results: of `run_all`.
+        found: of `compare`.
+        folder: to write to.
+    """
+    figures = {
+        "fig2.png": fig2(),
+        "fig16.png": fig16(results),
+        "function_budgets.png": budgets(found["functions"]),
+        "function_shift.png": shift(found["functions"]),
+    }
+    return [save(figure, folder / name, dpi=DPI) for name, figure in figures.items()]
+
+
+@style.styled
+def fig2() -> Figure:
+    """Eq. 14 for several lambdas, over all iterations and over the first."""
+    fig = style.new_figure(style.DOUBLE_MM, 75)
+    t = np.arange(ITERATIONS)
+    axes = fig.subplots(1, 2, sharey=True)
+    for ax in axes:
+        ax.plot(t, 2 - 2 * t / ITERATIONS, color=style.BLACK, label="linear (Eq. 2)")
+        for pair, look in zip(PAIRS, _LAW_LOOKS, strict=True):
+            label = rf"Eq. 14, $\lambda_1$ = {pair[0]:g}, $\lambda_2$ = {pair[1]:g}"
+            ax.plot(t, law(pair), color=look.colour, linestyle=look.line, label=label)
+        ax.axhline(1.0, color=style.GREY, linewidth=0.8)
+        ax.set_xlabel("iteration t")
+    axes[0].set_ylabel("convergence factor a(t)")
+    axes[0].set_ylim(0, 2.5)
+    axes[0].set_xlim(0, ITERATIONS)
+    axes[1].set_xlim(0, 20)
+    axes[1].set_xticks(range(0, 21, 5))
+    axes[1].text(19.7, 1.03, "wide search above", ha="right", va="bottom", fontsize=7)
+    style.outside_legend(fig, axes[0].get_legend_handles_labels()[0], columns=3)
+    return style.settle(fig)
+
+
+@style.styled
+def fig16(results: Results) -> Figure:
+    """Mean convergence of all five on every function."""
+    curves = {
+        (job.function, job.algorithm): result.history
+        for job, result in results.items()
+        if job.kind == "printed"
+    }
+    functions = list(dict.fromkeys(function for function, _ in curves))
+    fig, panels = _panels(len(functions))
+    for ax, function in zip(panels, functions, strict=True):
+        for name, look in LOOKS.items():
+            history = curves[function, name]
+            t = np.arange(1, history.shape[1] + 1)
+            ax.plot(t, history.mean(axis=0), color=look.colour, linestyle=look.line)
+        ax.set(yscale="log", xlabel="iteration", ylabel="least value so far, mean")
+        ax.set_title(f"{function}, {TABLE_8[function].name}")
+        ax.set_xlim(0, ITERATIONS)
+    _legend(fig, marker=False)
+    return style.settle(fig)
+
+
+@style.styled
+def budgets(found: Mapping[str, Any]) -> Figure:
+    """Means against the number of iterations, and the published ones."""
+    fig, panels = _panels(len(found))
+    for ax, (function, own) in zip(panels, found.items(), strict=True):
+        for name, look in LOOKS.items():
+            means = {ITERATIONS: own["printed"][name]["printed"]["mean"]}
+            means |= {int(t): one["mean"] for t, one in own["longer"][name].items()}
+            shown = {t: mean for t, mean in means.items() if mean > 0}
+            ax.plot(
+                list(shown),
+                list(shown.values()),
+                color=look.colour,
+                linestyle=look.line,
+                marker=look.marker,
+                markersize=3.5,
+            )
+            published = MEAN[function][name]
+            if published > 0:
+                ax.plot(
+                    [_PUBLISHED_AT],
+                    [published],
+                    color=look.colour,
+                    marker=look.marker,
+                    markersize=6,
+                    markerfacecolor="none",
+                    linestyle="none",
+                )
+        _budget_axes(ax, f"{function}, {TABLE_8[function].name}")
+    _legend(fig, marker=True)
+    return style.settle(fig)
+
+
+def _budget_axes(ax: Axes, title: str) -> None:
+    ax.set(xscale="log", yscale="log", xlabel="iterations", ylabel="least value, mean")
+    ax.set_title(title)
+    ticks = {_PUBLISHED_AT: "published", 200: "200", 500: "500", 1000: "1,000", 5000: "5,000"}
+    ax.set_xlim(45, 6500)
+    ax.set_xticks(list(ticks), list(ticks.values()))
+    ax.minorticks_off()
+
+
+@style.styled
+def shift(found: Mapping[str, Any]) -> Figure:
+    """Medians with the optimum at the origin and elsewhere, side by side."""
+    fig, panels = _panels(len(found))
+    for ax, (function, own) in zip(panels, found.items(), strict=True):
+        order = names(own["shifted"])
+        for place, name in enumerate(order):
+            look = LOOKS[name]
+            ends = [own[kind][name]["all"]["median"] for kind in ("printed", "shifted")]
+            ax.plot([place, place], ends, color=look.colour, linewidth=0.8)
+            ax.plot([place], ends[:1], marker="o", color=look.colour, markerfacecolor="white")
+            ax.plot([place], ends[1:], marker="o", color=look.colour)
+        ax.set_xticks(range(len(order)), [ALGORITHMS[name].split()[0] for name in order])
+        ax.set_xlim(-0.5, len(order) - 0.5)
+        ax.set(yscale="log", ylabel="least value, median")
+        ax.set_title(f"{function}, {TABLE_8[function].name}")
+    handles = [
+        panels[0].plot([], [], marker="o", linestyle="none", color=style.BLACK, **face)[0]
+        for face in (
+            {"markerfacecolor": "white", "label": "optimum at the origin"},
+            {"label": "optimum moved"},
+        )
+    ]
+    style.outside_legend(fig, handles, columns=2)
+    return style.settle(fig)
+
+
+def _panels(count: int) -> tuple[Figure, list[Axes]]:
+    rows = -(-count // 2)
+    fig = style.new_figure(style.DOUBLE_MM, 15 + 58 * rows)
+    axes = list(fig.subplots(rows, 2).flat)
+    for spare in axes[count:]:
+        spare.remove()
+    return fig, axes[:count]
+
+
+def _legend(fig: Figure, marker: bool) -> None:
+    handles = []
+    for name, look in LOOKS.items():
+        handle = style.method_handle(look, ALGORITHMS[name])
+        if not marker:
+            handle.set_marker("")
+        handles.append(handle)
+    style.outside_legend(fig, handles, columns=5)

@@ -1,0 +1,1 @@
+"""Planners of paths between two cells by ants, genes and particles."""

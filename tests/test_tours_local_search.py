@@ -1,0 +1,112 @@
+"""Moves, descents and iterated local search, against plain Python, elkai and published optima."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from tour_cases import TSPLIB, neighbours, plain_length, straight, tsplib
+
+from experiments.yu2022.cases import COMPLEX, ORDINARY
+from usvjax.tours import optimal_tour, solve_tour, tour_length
+from usvkernels.tours import local_search, moves
+
+RUNS = 16
+COUNT = 11
+search = jax.jit(local_search.descend, static_argnames=("symmetric", "most", "kinds"))
+
+
+def table(seed: int, symmetric: bool) -> np.ndarray:
+    distances = np.random.default_rng(seed).random((COUNT, COUNT))
+    distances = distances + distances.T if symmetric else distances
+    np.fill_diagonal(distances, 0)
+    return distances
+
+
+def orders(seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return np.argsort(rng.random((COUNT, RUNS)), axis=0).astype(np.int32)
+
+
+@pytest.mark.parametrize(
+    ("symmetric", "kinds"), [(True, "both"), (False, "both"), (True, "or_opt")]
+)
+def test_best_move_is_the_best_of_all(symmetric: bool, kinds: str) -> None:
+    distances, before = table(1, symmetric), orders(2)
+    find = jax.jit(partial(moves.best_move, symmetric=symmetric, kinds=kinds))
+    _, worth, move = find(jnp.asarray(distances, jnp.float32), before)
+    after = np.asarray(moves.apply(jnp.asarray(before), move))
+    assert worth.any()
+    for run in range(RUNS):
+        order = before[:, run].tolist()
+        best = min(
+            plain_length(other, distances)
+            for other in neighbours(order, kinds != "or_opt", kinds != "two_opt")
+        )
+        found = plain_length(after[:, run].tolist(), distances)
+        gain = plain_length(order, distances) - best
+        assert found == pytest.approx(best, abs=2e-3 * gain)  # words keep 13 digits of a gain
+
+
+@pytest.mark.parametrize(
+    ("symmetric", "kinds"), [(True, "two_opt"), (True, "or_opt"), (False, "both")]
+)
+def test_descent_ends_at_a_local_optimum(symmetric: bool, kinds: str) -> None:
+    distances, before = table(3, symmetric), orders(4)
+    after, made = search(
+        jnp.asarray(distances, jnp.float32), before, symmetric=symmetric, most=200, kinds=kinds
+    )
+    assert (np.sort(after, axis=0) == np.arange(COUNT)[:, None]).all()
+    assert (np.asarray(made) < 200).all()
+    for run in range(RUNS):
+        here = plain_length(np.asarray(after)[:, run].tolist(), distances)
+        around = neighbours(after[:, run].tolist(), kinds != "or_opt", kinds != "two_opt")
+        assert min(plain_length(other, distances) for other in around) > here - 1e-5
+        assert here < plain_length(before[:, run].tolist(), distances) or made[run] == 0
+
+
+def test_descent_stops_at_its_bound() -> None:
+    distances, before = table(5, False), orders(6)
+    options = {"symmetric": False, "kinds": "both"}
+    _, made = search(jnp.asarray(distances, jnp.float32), before, most=2, **options)
+    assert (np.asarray(made) == 2).all()
+
+
+def lin_kernighan(points: np.ndarray) -> float:
+    """Best of ten runs of LKH, on distances in thousandths."""
+    elkai = pytest.importorskip("elkai")
+    distances = straight(points)
+    whole = elkai.DistanceMatrix(np.round(1000 * distances).astype(int).tolist())
+    found = whole.solve_tsp(runs=10)
+    return plain_length(found[:-1], distances)
+
+
+@pytest.mark.parametrize("case", COMPLEX)
+def test_twenty_stations_in_nearly_every_run(case: int) -> None:
+    found = solve_tour(COMPLEX[case], 7, runs=1000 if case == 1 else 192)
+    best = 458.0556 if case == 1 else lin_kernighan(COMPLEX[case])
+    assert found.algorithm == "ils"
+    assert found.length.min() == pytest.approx(best, abs=1e-4)
+    assert np.mean(found.length < best + 1e-4) >= 0.99
+    np.testing.assert_allclose(found.length, tour_length(found.order, COMPLEX[case]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("case", ORDINARY)
+def test_ten_stations_are_exact(case: int) -> None:
+    found = solve_tour(ORDINARY[case], 7, runs=20)
+    assert found.algorithm == "exact"
+    assert found.length.max() == found.length.min()
+    assert found.length[0] == pytest.approx(lin_kernighan(ORDINARY[case]), abs=1e-9)
+    assert (found.order == optimal_tour(ORDINARY[case])).all()
+    if case == 1:
+        assert found.length[0] == pytest.approx(160.8247, abs=5e-5)
+
+
+def test_rounded_distances_are_those_of_tsplib() -> None:
+    if not TSPLIB.exists():
+        pytest.skip("../shared/data/tsplib is absent")
+    berlin = tsplib("berlin52")
+    assert berlin[0, 1] == 666  # of 666.1
+    assert berlin.shape == (52, 52)
+    assert (berlin == berlin.T).all()

@@ -1,0 +1,43 @@
+"""Keys of random numbers, from seeds or from JAX's own."""
+
+from typing import Any
+
+import jax
+import numpy as np
+
+from usvjax.errors import BadInputError, BadTypeError
+
+_THREEFRY = "threefry2x32"
+
+
+def as_key(key: Any) -> jax.Array:
+    """A JAX key from what a user gives for one.
+
+    Args:
+        key: a seed (integer from 0 to 2**32 - 1) or a JAX threefry key, typed or uint32[2].
+
+    Raises:
+        BadTypeError: neither.
+        BadInputError: a seed that does not fit 32 bits, several keys, or one of another kind.
+    """
+    if isinstance(key, jax.Array) and key.ndim > 0 and key.dtype == np.uint32:
+        if key.shape != (2,):
+            raise BadInputError(f"key: got shape {key.shape}; wanted one threefry key, uint32[2]")
+        return jax.random.wrap_key_data(key, impl=_THREEFRY)
+    if isinstance(key, jax.Array) and jax.dtypes.issubdtype(key.dtype, jax.dtypes.prng_key):
+        return _checked_key(key)
+    if isinstance(key, bool) or not isinstance(key, int | np.integer):
+        raise BadTypeError(f"key: got {key!r}; wanted an integer seed or a JAX key")
+    if not 0 <= key < 2**32:
+        raise BadInputError(f"key: got {key}; wanted a seed from 0 to 2**32 - 1")
+    return jax.random.key(int(key), impl=_THREEFRY)
+
+
+def _checked_key(key: jax.Array) -> jax.Array:
+    if key.shape != ():
+        raise BadInputError(f"key: got an array of shape {key.shape}; wanted one key")
+    kind = str(jax.random.key_impl(key))
+    if kind != _THREEFRY:
+        # A batch of keys of the other kinds does not draw each key's own stream.
+        raise BadInputError(f"key: got a {kind!r} key; wanted {_THREEFRY!r}, the JAX default")
+    return key

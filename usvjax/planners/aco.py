@@ -1,0 +1,97 @@
+"""Ants: queries in groups, shared out over the devices."""
+
+from functools import partial
+
+import jax
+import numpy as np
+
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.errors import BadInputError
+from usvjax.paths.blocks import QUICKLY_COMPILED
+from usvjax.planners.inputs import Defaults, Request
+from usvjax.planners.tracks import Tracks, tracks_of_moves
+from usvjax.search.inputs import check_memory
+from usvkernels.planners.aco import AcoParams, AcoPlans, plan
+from usvkernels.planners.ants import CHUNK, AcoQueries, AcoStatic
+
+DEFAULTS = Defaults(
+    params=AcoParams(),
+    iterations=100,
+    population=200,
+    least=1,
+    most=1 << 14,
+    multiple=1,
+    ranges={"rho": (0.0, 1.0), "alpha": (0.0, 20.0), "beta": (0.0, 20.0), "q": (0.0, 1e6)},
+)
+GROUP = 8  # queries side by side, so that the last ants of one do not wait alone
+LANES = 256
+STEPS_PER_SIDE = 8  # of an ant, per cell of height and width together, after which it is lost
+
+
+def plan_rows(request: Request, rows: np.ndarray) -> Tracks:
+    """Plan some of the queries, whose start and goal are apart and connected."""
+    devices = chosen_devices()
+    group = GROUP if len(rows) > len(devices) else 1
+    static = _static(request, group, len(devices))
+    parts = np.array_split(rows, -(-len(rows) // group)) if len(rows) else []
+    found = list(share_out(partial(_planned, request, static), parts, devices))
+    if not found:
+        return Tracks(
+            np.zeros((0, 1, 2), np.int32),
+            np.zeros(0, np.int64),
+            np.zeros(0),
+            np.zeros((0, request.iterations)),
+        )
+    move, steps, history = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
+    return tracks_of_moves(request.scene.starts[rows], move, steps.astype(np.int64), history)
+
+
+def _static(request: Request, group: int, devices: int) -> AcoStatic:
+    height, width = request.scene.shape
+    steps = min(height * width, STEPS_PER_SIDE * (height + width))
+    static = AcoStatic(
+        height=height,
+        width=width,
+        ants=request.population,
+        iterations=request.iterations,
+        max_steps=-(-steps // CHUNK) * CHUNK,
+        queries=group,
+        lanes=min(LANES, -(-group * request.population // 16) * 16),
+    )
+    what = f"blocked: {static.lanes} ants at once on {width} x {height} cells"
+    edges, record = 8 * group * static.size, static.rows * static.lanes
+    check_memory(devices * (20 * edges + 5 * record + static.lanes * static.size), what)
+    if max(edges, record, static.lanes * static.size) >= 2**31:
+        raise BadInputError(
+            f"{what} need more than 2^31 places; wanted a smaller map or population"
+        )
+    return static
+
+
+def _planned(
+    request: Request, static: AcoStatic, rows: np.ndarray, device: jax.Device
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Moves, steps and history of some of the queries, on one device."""
+    filled = rows[np.minimum(np.arange(static.queries), len(rows) - 1)]
+    scene = request.scene
+    maps = np.zeros_like(filled) if scene.shared else filled
+    arrays = {
+        "blocked": scene.blocked[maps],
+        "start": _cell(static, scene.starts[filled]),
+        "goal": _cell(static, scene.goals[filled]),
+        "seed": request.seeds[:, filled],
+    }
+    params, arrays = jax.device_put((request.params, arrays), device)
+    count = len(rows)
+    found = _run(static, params, AcoQueries(**arrays), np.int32(count))
+    move, steps, history = jax.device_get((found.move, found.steps, found.history))
+    return move[:count], steps[:count], history[:count]
+
+
+def _cell(static: AcoStatic, cells: np.ndarray) -> np.ndarray:
+    return ((cells[:, 1] + 1) * static.stride + cells[:, 0] + 1).astype(np.int32)
+
+
+@partial(jax.jit, static_argnames="static", compiler_options=COMPILER_OPTIONS | QUICKLY_COMPILED)
+def _run(static: AcoStatic, params: AcoParams, queries: AcoQueries, count: jax.Array) -> AcoPlans:
+    return plan(static, params, queries, count)

@@ -1,0 +1,145 @@
+"""The algorithms by name, their defaults, and the checks of their options."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from usvjax.checks import one_of, whole_number
+from usvjax.errors import BadInputError, BadTypeError
+from usvkernels.swarms import aco, cmpso, ga, gwo
+from usvkernels.swarms.laws import LAWS, GwoParams
+
+Params = GwoParams | aco.AcoParams | ga.GaParams | cmpso.CmpsoParams
+Static = gwo.GwoStatic | aco.AcoStatic | ga.GaStatic | cmpso.CmpsoStatic
+
+
+@dataclass(frozen=True)
+class Algorithm:
+    """A swarm and the paper's settings of it.
+
+    Attributes:
+      run: the kernel.
+      params: default numbers.
+      static: default choices of method.
+      population: default members.
+      iterations: default number.
+    """
+
+    run: Callable[..., Any]
+    params: Params
+    static: Static
+    population: int
+    iterations: int
+
+
+ALGORITHMS = {
+    "igwo": Algorithm(gwo.run, GwoParams(), gwo.GwoStatic(law="beta"), 20, 200),
+    "gwo": Algorithm(gwo.run, GwoParams(), gwo.GwoStatic(), 20, 200),
+    "aco": Algorithm(aco.run, aco.AcoParams(), aco.AcoStatic(), 200, 100),
+    # Populations of these two are not printed; theirs make as many evaluations as the wolves'.
+    "ga": Algorithm(ga.run, ga.GaParams(), ga.GaStatic(), 80, 50),
+    "cmpso": Algorithm(cmpso.run, cmpso.CmpsoParams(), cmpso.CmpsoStatic(), 20, 200),
+}
+"""Yu et al. 2022, section 5.1 and Table 2."""
+
+_ABOVE_ZERO = ("mu2", "lambda1", "locality", "evaporation", "max_speed")
+_SHARES = ("crossing", "mutation")
+_NOT_NEGATIVE = ("blend", "inertia", "cognitive", "social")
+
+
+def checked_params(name: str, given: Any, runs: int, dtype: Any) -> Params:
+    """Numbers of an algorithm, those given or its defaults, each leaf as [runs].
+
+    Args:
+      name: of the algorithm.
+      given: what the user passed, or None.
+      runs: how many.
+      dtype: of the result.
+
+    Raises:
+      BadTypeError: parameters of another algorithm, or no numbers.
+      BadInputError: a wrong shape, not finite, or out of range.
+    """
+    default = ALGORITHMS[name].params
+    given = default if given is None else given
+    if type(given) is not type(default):
+        raise BadTypeError(
+            f"params: got {type(given).__name__}; algorithm {name!r} takes {type(default).__name__}"
+        )
+    leaves: dict[str, Any] = {
+        f.name: _leaf(f.name, getattr(given, f.name), runs).astype(dtype) for f in fields(default)
+    }
+    return type(default)(**leaves)
+
+
+def _leaf(name: str, value: Any, runs: int) -> np.ndarray:
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        raise BadTypeError(f"params.{name}: got {value!r}; wanted a number or float[{runs}]")
+    if array.shape not in ((), (runs,)):
+        raise BadInputError(
+            f"params.{name}: got shape {array.shape}; wanted a number, or one for each of "
+            f"{runs} runs"
+        )
+    for fine, wanted in (
+        (np.isfinite(array), "a finite number"),
+        ((array > 0) | (name not in _ABOVE_ZERO), "a number above 0"),
+        ((array >= 0) | (name not in _NOT_NEGATIVE), "0 or more"),
+        (((array >= 0) & (array <= 1)) | (name not in _SHARES), "a number in [0, 1]"),
+    ):
+        if not np.all(fine):
+            bad = np.atleast_1d(array)[~np.atleast_1d(fine)][0]
+            raise BadInputError(f"params.{name}: got {bad}; wanted {wanted}")
+    return np.broadcast_to(array, (runs,))
+
+
+def checked_static(name: str, given: Any, population: int) -> Static:
+    """Choices of method of an algorithm, those given or its defaults.
+
+    Raises:
+      BadTypeError: choices of another algorithm, or of a wrong type.
+      BadInputError: an unknown or impossible choice, or too small a population.
+    """
+    default = ALGORITHMS[name].static
+    given = default if given is None else given
+    if type(given) is not type(default):
+        raise BadTypeError(
+            f"static: got {type(given).__name__}; algorithm {name!r} takes {type(default).__name__}"
+        )
+    if isinstance(given, gwo.GwoStatic):
+        _check_wolves(name, given, population)
+    elif isinstance(given, aco.AcoStatic):
+        whole_number("static.archive", given.archive, 2)
+    elif isinstance(given, cmpso.CmpsoStatic):
+        _check_particles(given, population)
+    elif not isinstance(given.elitism, bool):
+        raise BadTypeError(f"static.elitism: got {given.elitism!r}; wanted True or False")
+    return given
+
+
+def _check_wolves(name: str, given: gwo.GwoStatic, population: int) -> None:
+    one_of("static.law", given.law, LAWS)
+    one_of("static.leaders", given.leaders, ("kept", "pack"))
+    if not isinstance(given.greedy, bool):
+        raise BadTypeError(f"static.greedy: got {given.greedy!r}; wanted True or False")
+    if name == "igwo" and given.law != "beta":
+        raise BadInputError(
+            f"static.law: got {given.law!r}; 'igwo' is 'gwo' with the law 'beta', "
+            "choose algorithm='gwo' for another"
+        )
+    if population < gwo.LEADERS:
+        raise BadInputError(
+            f"population: got {population}; wanted {gwo.LEADERS} or more wolves, as many as lead"
+        )
+
+
+def _check_particles(given: cmpso.CmpsoStatic, population: int) -> None:
+    swarms = whole_number("static.swarms", given.swarms, 1)
+    whole_number("static.exchange", given.exchange, 1)
+    if population % swarms or population < 2 * swarms:
+        raise BadInputError(
+            f"population: got {population}; wanted a multiple of static.swarms = {swarms}, "
+            "with 2 particles or more in each"
+        )
