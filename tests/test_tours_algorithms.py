@@ -107,6 +107,15 @@ def test_wolves_by_random_keys_against_numpy() -> None:
         assert wanted[-1] < wanted[0]
 
 
+def test_a_later_part_of_the_runs_is_that_part() -> None:
+    options = {"algorithm": "gwo", **SMALL["gwo"]}
+    whole = solve_tour(PROBLEMS[0], 5, runs=6, **options)
+    part = solve_tour(PROBLEMS[0], 5, runs=2, first=4, **options)
+    np.testing.assert_array_equal(part.history, whole.history[4:])
+    np.testing.assert_array_equal(part.order, whole.order[4:])
+    assert (whole.history[4:] != whole.history[:2]).any()
+
+
 def test_one_parameter_for_each_run() -> None:
     options = {"algorithm": "igwo", "iterations": 8, "population": 6}
     swept = GwoParams(lambda2=np.array([0.1, 2.0, 0.1]))

@@ -85,7 +85,7 @@ def cruise(
         paths on the first map.
       runs: B, where map and stations are shared.
       first: number of the first cruise, so that the parts of a longer list can be sailed one by
-        one; cruise j of this call takes the (first + j)-th part of the key. Wants an order.
+        one; cruise j of this call takes the (first + j)-th part of the key.
       flip_rate: probability with which a cell flips at a step, in [0, 1], to the nearest 2^-24;
         or one for each cruise.
       flip_scope: "window": cells in the vessel's window flip. "map": all cells do, which is
@@ -130,12 +130,10 @@ def cruise(
     replanning = _replanning(mission, heuristic, weight, max_expansions, max_lanes)
     planner = _planner(mission, method, planner_options)
     first = whole_number("first", first, 0)
-    if first and order is None:
-        raise BadInputError(f"first: got {first} without an order; wanted an order of the stations")
     flip_key, tour_key, plan_key = jax.random.split(as_key(key), 3)
     seeds = np.asarray(seeds_of(flip_key, len(mission), first)).T
     if order is None:
-        chosen = tour_order(mission, tour_key, tour, distances)
+        chosen = tour_order(mission, tour_key, tour, distances, first)
     else:
         chosen = check_order(order, mission)
     if method == "dstar_lite":

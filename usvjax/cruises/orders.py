@@ -12,7 +12,9 @@ DISTANCES = ("straight", "water")
 _MOST_CELLS = 1 << 24  # of distance fields held at a time
 
 
-def tour_order(mission: Mission, key: jax.Array, tour: str, distances: str) -> np.ndarray:
+def tour_order(
+    mission: Mission, key: jax.Array, tour: str, distances: str, first: int
+) -> np.ndarray:
     """The order of `solve_tour`, int32[B, d], home first.
 
     Args:
@@ -21,11 +23,13 @@ def tour_order(mission: Mission, key: jax.Array, tour: str, distances: str) -> n
       tour: algorithm of `solve_tour`.
       distances: "straight" between the cells' centres, or "water" along shortest paths on the
         first map.
+      first: number of the first cruise.
     """
     if distances == "straight":
-        solved = solve_tour(mission.stations.astype(np.float32), key, algorithm=tour)
+        points, legs = mission.stations.astype(np.float32), None
     else:
-        solved = solve_tour(None, key, algorithm=tour, distances=water_distances(mission))
+        points, legs = None, water_distances(mission)
+    solved = solve_tour(points, key, algorithm=tour, distances=legs, first=first)
     return np.asarray(solved.order, np.int32)
 
 

@@ -19,10 +19,6 @@ from usvjax.tours import solve_tour
 # Parts of the study's key; job j's own part is j, and jobs are fewer than 2^31.
 _TOURS, _FLIPS = 2**32 - 1, 2**32 - 2
 
-# `solve_tour` gives run i of a call the i-th part of its key, so that jobs are solved in blocks
-# whose places do not depend on which jobs are asked for.
-_BLOCK = 64
-
 
 @dataclass(frozen=True)
 class Method:
@@ -146,21 +142,12 @@ def shortest_tours(seed: int, jobs: np.ndarray, legs: np.ndarray, algorithm: str
 
     Args:
         seed: of the study.
-        jobs: int64[J].
+        jobs: int64[J], that follow one another.
         legs: float64[J, d, d], distances between stations.
         algorithm: of `solve_tour`.
     """
     key = jax.random.fold_in(jax.random.key(seed), _TOURS)
-    orders = np.zeros(legs.shape[:2], np.int32)
-    for block in np.unique(jobs // _BLOCK):
-        rows = np.flatnonzero(jobs // _BLOCK == block)
-        # Places of jobs that were not asked for are filled with one that was.
-        posed = np.repeat(legs[rows[:1]], _BLOCK, axis=0)
-        posed[jobs[rows] % _BLOCK] = legs[rows]
-        own = jax.random.fold_in(key, int(block))
-        solved = solve_tour(None, own, algorithm=algorithm, distances=posed)
-        orders[rows] = solved.order[jobs[rows] % _BLOCK]
-    return orders
+    return solve_tour(None, key, algorithm=algorithm, distances=legs, first=int(jobs[0])).order
 
 
 def tour_lengths(legs: np.ndarray, orders: np.ndarray) -> np.ndarray:

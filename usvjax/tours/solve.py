@@ -62,6 +62,7 @@ def solve_tour(
     iterations: int | None = None,
     population: int | None = None,
     params: Any = None,
+    first: int = 0,
 ) -> TourResult:
     """Search for the shortest tour from station 0 through all others.
 
@@ -89,6 +90,7 @@ def solve_tour(
       population: wolves, ants, individuals or particles; by default the paper's: 20 wolves, 200
         ants; where it prints none, 80 individuals and 20 particles.
       params: of the algorithm, `IlsParams` and so on; a leaf may be an array, one value per run.
+      first: number of the first run, so that parts of a batch can be solved apart.
 
     Returns:
       The best tours, in the order of the runs.
@@ -103,6 +105,7 @@ def solve_tour(
     closed = truth("closed", closed)
     stream = as_key(key)
     count = _count(legs, runs)
+    first = whole_number("first", first, 0)
     if algorithm == "recommended":
         algorithm = "exact" if legs.stations <= EXACT_UP_TO else "ils"
     if algorithm == "exact":
@@ -116,7 +119,9 @@ def solve_tour(
         legs.symmetric and closed,
     )
     leaves = checked_params(algorithm, params, count)
-    order, history = _in_blocks(task, exact.scaled(legs, closed), stream, leaves, count)
+    # Few sizes, so that few programs are compiled.
+    seeds = np.asarray(_seeds(stream, 1 << (count - 1).bit_length(), first))
+    order, history = _in_blocks(task, exact.scaled(legs, closed), seeds, leaves, count)
     return _collected(legs, closed, order, history, algorithm)
 
 
@@ -144,13 +149,12 @@ def _count(legs: Legs, runs: int | None) -> int:
 
 
 def _in_blocks(
-    task: _Task, distances: np.ndarray, stream: jax.Array, params: Any, count: int
+    task: _Task, distances: np.ndarray, seeds: np.ndarray, params: Any, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Run blocks of lanes, shared out over the devices; int[B, d] and float[B, T]."""
     devices = chosen_devices()
     size = lanes(distances.shape[1])
     blocks = [np.arange(first, first + size) for first in range(0, count, size)]
-    seeds = np.asarray(_seeds(stream, 1 << (len(blocks) * size - 1).bit_length()))
     shared = len(distances) == 1
 
     def on_device(rows: np.ndarray, device: jax.Device) -> tuple[np.ndarray, np.ndarray]:
@@ -172,8 +176,8 @@ def lanes(stations: int) -> int:
 
 
 @partial(jax.jit, static_argnums=1)
-def _seeds(stream: jax.Array, count: int) -> jax.Array:
-    return draws.seeds(stream, count)
+def _seeds(stream: jax.Array, count: int, first: int) -> jax.Array:
+    return draws.seeds(stream, count, first)
 
 
 @partial(jax.jit, static_argnames="task", compiler_options=COMPILER_OPTIONS)
