@@ -114,7 +114,7 @@ def test_good_input_passes(fine: dict[str, Any]) -> None:
         ({"method": "aco", "corner_cutting": True}, r"corner_cutting: got True; wanted False"),
         ({"planner_options": {"ants": 3}}, r"planner_options: got .* with method='dstar_lite'"),
         ({"key": -1}, r"key: got -1; wanted a seed from 0"),
-        ({"key": jax.random.split(jax.random.key(1), 2)}, r"key: got keys of shape \(2,\)"),
+        ({"key": jax.random.split(jax.random.key(1), 2)}, r"key: got an array of shape \(2,\)"),
     ],
 )
 def test_bad_values(changes: dict[str, Any], message: str) -> None:

@@ -143,7 +143,7 @@ def test_bad_params(algorithm: str, params: Any, error: type[Exception], said: s
         (True, BadType, "got True; wanted an integer seed"),
         (None, BadType, "got None; wanted an integer seed"),
         (jax.random.split(jax.random.key(0), 2), BadInput, "got 2 keys; wanted one, or 3"),
-        (jax.random.split(jax.random.key(0), (2, 2)), BadInput, r"got keys of shape \(2, 2\)"),
+        (jax.random.split(jax.random.key(0), (2, 2)), BadInput, r"got an array of shape \(2, 2\)"),
     ],
 )
 def test_bad_key(key: Any, error: type[Exception], said: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.swarms import minimise as module
+from usvjax.swarms import minimising as module
 from usvjax.swarms.minimising import minimise
 from usvkernels.swarms.aco import AcoParams, AcoStatic
 from usvkernels.swarms.cmpso import CmpsoParams, CmpsoStatic

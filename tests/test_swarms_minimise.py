@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usvjax.swarms import minimise as module
+from usvjax.swarms import minimising as module
 from usvjax.swarms.algorithms import ALGORITHMS
 from usvjax.swarms.minimising import MinimiseResult, minimise
 from usvjax.swarms.objective import checked_objective
