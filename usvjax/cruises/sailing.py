@@ -9,6 +9,7 @@ import numpy as np
 from usvjax.cruises.inputs import Mission
 from usvjax.cruises.voyages import Voyages, voyages_of
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.paths.blocks import bucket
 from usvjax.search.inputs import check_memory
 from usvkernels.cruise import lanes as cruise_lanes
 from usvkernels.cruise.sailing import STAY, Cruises, CruiseStatic
@@ -98,19 +99,14 @@ def sail(mission: Mission, order: np.ndarray, seeds: np.ndarray, replanning: Rep
 def _room(task: _Task, longest: int, devices: int) -> _Room:
     """What a part of `longest` cruises needs; refuses what the machine cannot hold."""
     mission, layout = task.mission, task.static.search.layout
-    rows = _power(longest, LEAST_LANES)
+    rows = bucket(max(longest, LEAST_LANES))
     lanes = min(rows, task.replanning.max_lanes, max(1, 2**30 // layout.size))
-    room = _Room(rows, _power(longest * mission.legs * mission.max_steps, LEAST_MOVES), lanes)
+    room = _Room(rows, bucket(max(longest * mission.legs * mission.max_steps, LEAST_MOVES)), lanes)
     maps = layout.size * (1 if len(mission.blocked) == 1 else rows)
     needed = devices * (9 * lanes * layout.size + 2 * maps + 3 * room.moves)
     what = f"blocked: {devices * lanes} cruises at once on {layout.width} x {layout.height} cells"
     check_memory(needed, what)
     return room
-
-
-def _power(number: int, least: int) -> int:
-    """The least power of two that is no less than either."""
-    return 1 << (max(number, least) - 1).bit_length()
 
 
 def _sail_part(

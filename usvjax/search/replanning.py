@@ -9,6 +9,7 @@ import numpy as np
 
 from usvjax.checks import whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.paths.blocks import bucket
 from usvjax.search.inputs import SearchScene, check_memory, search_scene
 from usvjax.search.replan_inputs import (
     check_method,
@@ -182,12 +183,12 @@ def _room(task: _Task, longest: int, devices: int) -> _Room:
     """What a part of `longest` rows needs; refuses what the machine cannot hold."""
     _, steps, width = task.flips.shape
     layout = task.static.layout
-    rows = _power(longest, LEAST_LANES)
+    rows = bucket(max(longest, LEAST_LANES))
     lanes = min(max(LEAST_LANES, rows // JOBS_PER_LANE), task.max_lanes, 2**30 // layout.size)
     room = _Room(
         rows=rows,
-        records=_power(longest * (steps + 1), LEAST_NUMBERS),
-        flips=_power(longest * steps * width, LEAST_NUMBERS),
+        records=bucket(max(longest * (steps + 1), LEAST_NUMBERS)),
+        flips=bucket(max(longest * steps * width, LEAST_NUMBERS)),
         lanes=lanes,
     )
     maps = layout.size * (1 if task.scene.shared else rows)
@@ -195,11 +196,6 @@ def _room(task: _Task, longest: int, devices: int) -> _Room:
     what = f"blocked: {devices * lanes} episodes at once on {layout.width} x {layout.height} cells"
     check_memory(needed, what)
     return room
-
-
-def _power(number: int, least: int) -> int:
-    """The least power of two that is no less than either."""
-    return 1 << (max(number, least) - 1).bit_length()
 
 
 def _sail_part(

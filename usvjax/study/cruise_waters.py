@@ -16,6 +16,7 @@ import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
+from usvjax.study.map_inputs import MapSource, OnChart
 from usvjax.study.route_queries import random_grids
 from usvjax.study.scenarios import check_share
 
@@ -44,27 +45,8 @@ class Sites:
     stations: np.ndarray
 
 
-class Waters(Protocol):
+class Waters(MapSource, Protocol):
     """A generator of maps and stations: the `[maps]` table of a study."""
-
-    @property
-    def cell_size(self) -> float:
-        """Edge of a cell, m."""
-        ...
-
-    @property
-    def origin(self) -> tuple[float, float]:
-        """South-west corner of cell (0, 0), m."""
-        ...
-
-    @property
-    def chart(self) -> GridMap | None:
-        """The map that all jobs share, before it was inflated; None where each has its own."""
-        ...
-
-    def check(self, where: str) -> None:
-        """Raise BadInputError when a value cannot be used."""
-        ...
 
     def draw(self, seed: int, jobs: np.ndarray) -> Sites:
         """Return the maps and stations of int64[J] jobs."""
@@ -152,7 +134,7 @@ class GridWaters:
 
 
 @dataclass(frozen=True)
-class Lake:
+class Lake(OnChart):
     """The stations of a `GridWaters`.
 
     Attributes:
@@ -162,16 +144,6 @@ class Lake:
 
     chart: GridMap
     spec: GridWaters = field(compare=False)
-
-    @property
-    def cell_size(self) -> float:
-        """Edge of a cell, m."""
-        return self.chart.cell_size
-
-    @property
-    def origin(self) -> tuple[float, float]:
-        """South-west corner of cell (0, 0), m."""
-        return self.chart.origin
 
     @cached_property
     def water(self) -> GridMap:

@@ -4,12 +4,57 @@ import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Protocol
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, find_map
 
 MOST_CELLS = 10**8
 """Of a refined map: a byte each, and eight while it is refined."""
+
+
+class MapSource(Protocol):
+    """What every `[maps]` table of a study generates its episodes from."""
+
+    @property
+    def cell_size(self) -> float:
+        """Edge of a cell, m."""
+        ...
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """South-west corner of cell (0, 0), m."""
+        ...
+
+    @property
+    def chart(self) -> GridMap | None:
+        """The map that all jobs share, before it was inflated; None where each has its own."""
+        ...
+
+    def check(self, where: str) -> None:
+        """Raise BadInputError when a value cannot be used."""
+        ...
+
+
+class OnChart:
+    """A `MapSource` whose jobs share a map."""
+
+    chart: GridMap
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W): rows and columns."""
+        return self.chart.shape
+
+    @property
+    def cell_size(self) -> float:
+        """Edge of a cell, m."""
+        return self.chart.cell_size
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """South-west corner of cell (0, 0), m."""
+        return self.chart.origin
 
 
 def read_map(

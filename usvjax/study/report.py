@@ -288,7 +288,7 @@ def _notes(summary: dict[str, Any]) -> list[str]:
     study, families = summary["study"], summary["study"]["families"]
     looks = len(study["looks"])
     notes = [
-        "An episode is one map with its start and goal, or stations; the methods meet the same ones.",
+        "Methods meet the same episodes: the same map, start and goal, or stations.",
         f"Intervals: shares Wilson; averages percentile bootstrap ({study['resamples']} "
         "resamples); mean differences Student's t; difference of success rates Agresti-Min. "
         '"-": the episodes do not determine this figure, such as a mean clearance where one '

@@ -15,6 +15,7 @@ import numpy as np
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, load_map
 from usvjax.maps.disk import read_bytes
+from usvjax.study.map_inputs import OnChart
 from usvjax.study.route_queries import Queries
 
 _FIELDS = 9
@@ -39,7 +40,7 @@ class ScenarioQueries:
 
 
 @dataclass(frozen=True)
-class Benchmark:
+class Benchmark(OnChart):
     """The queries of a `ScenarioQueries`.
 
     Attributes:
@@ -54,21 +55,6 @@ class Benchmark:
     starts: np.ndarray = field(repr=False, compare=False)
     goals: np.ndarray = field(repr=False, compare=False)
     published: np.ndarray = field(repr=False, compare=False)
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(H, W): rows and columns."""
-        return self.chart.shape
-
-    @property
-    def cell_size(self) -> float:
-        """Edge of a cell, m."""
-        return self.chart.cell_size
-
-    @property
-    def origin(self) -> tuple[float, float]:
-        """South-west corner of cell (0, 0), m."""
-        return self.chart.origin
 
     @property
     def most_jobs(self) -> int:

@@ -17,6 +17,7 @@ from scipy import ndimage
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, random_maps
+from usvjax.study.map_inputs import MapSource, OnChart
 from usvjax.study.scenarios import check_share
 from usvjax.suggest import did_you_mean
 
@@ -47,7 +48,7 @@ class Queries:
     published: np.ndarray | None = None
 
 
-class QuerySource(Protocol):
+class QuerySource(MapSource, Protocol):
     """A generator of queries: the `[maps]` table of a study."""
 
     @property
@@ -56,27 +57,8 @@ class QuerySource(Protocol):
         ...
 
     @property
-    def cell_size(self) -> float:
-        """Edge of a cell, m."""
-        ...
-
-    @property
-    def origin(self) -> tuple[float, float]:
-        """South-west corner of cell (0, 0), m."""
-        ...
-
-    @property
-    def chart(self) -> GridMap | None:
-        """The map that all queries share, before it was inflated; None where each has its own."""
-        ...
-
-    @property
     def most_jobs(self) -> int | None:
         """How many queries there are; None where any number can be drawn."""
-        ...
-
-    def check(self, where: str) -> None:
-        """Raise BadInputError when a value cannot be used."""
         ...
 
     def draw(self, seed: int, jobs: np.ndarray) -> Queries:
@@ -167,7 +149,7 @@ class GridQueries:
 
 
 @dataclass(frozen=True)
-class Chart:
+class Chart(OnChart):
     """The queries of a `GridQueries`.
 
     Attributes:
@@ -177,21 +159,6 @@ class Chart:
 
     chart: GridMap
     spec: GridQueries = field(compare=False)
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(H, W): rows and columns."""
-        return self.chart.shape
-
-    @property
-    def cell_size(self) -> float:
-        """Edge of a cell, m."""
-        return self.chart.cell_size
-
-    @property
-    def origin(self) -> tuple[float, float]:
-        """South-west corner of cell (0, 0), m."""
-        return self.chart.origin
 
     @property
     def most_jobs(self) -> None:
