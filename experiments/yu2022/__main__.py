@@ -12,10 +12,12 @@ from pathlib import Path
 from time import monotonic
 from typing import Annotated, Any
 
+import jax
 import tyro
 
 import usvjax as uj
 from experiments.program import begin, conclude
+from experiments.yu2022.cruises.published import RUNS
 from experiments.yu2022.cruises.run import run as run_cruises
 from experiments.yu2022.functions.run import run as run_functions
 from experiments.yu2022.heuristic.run import run as run_heuristic
@@ -34,14 +36,16 @@ class Options:
         out: Folder for README.md, results.json and figures/. By default the checkout's
             experiments/results/yu2022, or runs/yu2022_quick with --quick.
         maps: Random maps of each kind for the heuristic; 1,000, or 100 with --quick.
-        runs: Cruises of each case, and runs on each test function; 1,000, or 24 with --quick.
-            Algorithms 1 to 3 sail at most 50, as printed.
+        runs: Cruises of Case 1, and runs on each test function; 1,000, or 24 with --quick.
+        swarm_runs: Cruises of Case 1 by Algorithms 1 to 3, which are slow; 50, as printed, or 2
+            with --quick.
     """
 
     quick: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     out: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
     maps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     runs: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    swarm_runs: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -59,7 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     plan, folder = ready
     begun = monotonic()
-    parts = [run() for run in plan]
+    parts = [_alone(run) for run in plan]
     found: dict[str, Any] = {
         "format": 2,
         "settings": {"usvjax": uj.__version__, "seed": SEED, "quick": options.quick},
@@ -84,18 +88,27 @@ def _plan(options: Options) -> list[Callable[[], Part]]:
     Raises:
         BadInputError: fewer than one map or run.
     """
-    maps, runs, quick = options.maps, options.runs, options.quick
-    if maps is not None and maps < 1:
-        raise BadInputError(f"--maps: got {maps}; wanted at least 1 map of each kind")
-    if runs is not None and runs < 1:
-        raise BadInputError(f"--runs: got {runs}; wanted at least 1 run of each case")
-    maps = maps or (100 if quick else 1000)
-    runs = runs or (24 if quick else 1000)
+    for name, what in (("maps", "map of each kind"), ("runs", "run"), ("swarm_runs", "run")):
+        value = getattr(options, name)
+        if value is not None and value < 1:
+            option = name.replace("_", "-")
+            raise BadInputError(f"--{option}: got {value}; wanted at least 1 {what}")
+    quick = options.quick
+    maps = options.maps or (100 if quick else 1000)
+    runs = options.runs or (24 if quick else 1000)
+    swarm_runs = options.swarm_runs or (2 if quick else RUNS)
     return [
         partial(run_heuristic, maps, SEED, quick),
-        partial(run_cruises, runs, SEED, quick),
+        partial(run_cruises, runs, swarm_runs, SEED, quick),
         partial(run_functions, runs, SEED, quick),
     ]
+
+
+def _alone(run: Callable[[], Part]) -> Part:
+    """Run a part and let go of its programs, of which a process can hold only so many."""
+    part = run()
+    jax.clear_caches()
+    return part
 
 
 if __name__ == "__main__":

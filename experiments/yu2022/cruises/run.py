@@ -9,42 +9,41 @@ from experiments.files import progress
 from experiments.yu2022.cruises import report
 from experiments.yu2022.cruises.compare import compare, vary
 from experiments.yu2022.cruises.figures import draw
-from experiments.yu2022.cruises.published import RUNS
 from experiments.yu2022.cruises.runs import Plan, Results, Varied, sail_all, sail_varied, time_alone
 from experiments.yu2022.cruises.verdicts import judge
 from experiments.yu2022.parts import Part
 
-REPEATS = 9
+REPEATS = 4
 """Cruises of each algorithm that are timed alone."""
 SEARCHES = 1000
 """Runs of the search for the shortest tour."""
-VARIED_RUNS = 200
-CASE_RUNS, CASE_SWARM_RUNS = 200, 6
+VARIED_RUNS = 50
+CASE_RUNS, CASE_SWARM_RUNS = 200, 5
 """Runs in Cases 2 to 4, for which the paper gives one value each."""
-QUICK_RUNS, QUICK_SWARM_RUNS, QUICK_REPEATS = 24, 2, 3
+QUICK_REPEATS = 3
 
 
-def run(runs: int, seed: int, quick: bool) -> Part:
+def run(runs: int, swarm_runs: int, seed: int, quick: bool) -> Part:
     """Sail all cruises.
 
     Args:
-        runs: of the algorithms that sail by D* Lite, in each case.
+        runs: of the algorithms that sail by D* Lite, in Case 1.
+        swarm_runs: of Algorithms 1 to 3, in Case 1.
         seed: of maps, flips and swarms.
         quick: a few cruises of one case.
     """
-    swarms = min(runs, RUNS)
     plan = Plan(
         runs=runs,
-        swarm_runs=swarms,
+        swarm_runs=min(runs, swarm_runs),
         case_runs=min(runs, CASE_RUNS),
-        case_swarm_runs=min(swarms, CASE_SWARM_RUNS),
+        case_swarm_runs=min(swarm_runs, CASE_SWARM_RUNS),
         varied_runs=min(runs, VARIED_RUNS),
         repeats=REPEATS,
         seed=seed,
     )
     if quick:
-        few, fewer = min(runs, QUICK_RUNS), min(runs, QUICK_SWARM_RUNS)
-        plan = Plan(few, fewer, few, fewer, few, QUICK_REPEATS, seed, (1,), ("ordinary",))
+        few = min(runs, swarm_runs)
+        plan = Plan(runs, few, runs, few, runs, QUICK_REPEATS, seed, (1,), ("ordinary",))
     with progress("cruises: batches", plan.total) as advance:
         results = sail_all(plan, advance)
         varied = sail_varied(plan, advance)

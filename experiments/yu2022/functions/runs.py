@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+import jax
 import numpy as np
 
 from experiments.parallel import on_own_devices
@@ -88,8 +89,14 @@ def run_all(jobs: Sequence[Job], seed: int, advance: Callable[[int], None]) -> R
         advance(1)
         return found
 
-    done = on_own_devices([partial(work, job) for job in jobs])
-    return dict(zip(jobs, done, strict=True))
+    results: Results = {}
+    for function in dict.fromkeys(job.function for job in jobs):
+        chosen = [job for job in jobs if job.function == function]
+        done = on_own_devices([partial(work, job) for job in chosen])
+        results.update(zip(chosen, done, strict=True))
+        # A process can hold only so many programs.
+        jax.clear_caches()
+    return results
 
 
 def run_job(job: Job, seed: int) -> MinimiseResult:
