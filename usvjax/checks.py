@@ -4,12 +4,14 @@ import math
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.suggest import did_you_mean
+
+T = TypeVar("T")
 
 
 def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
@@ -149,3 +151,19 @@ def file_path(name: str, value: Any) -> Path:
     if not isinstance(value, str | os.PathLike):
         raise BadTypeError(f"{name}: got {value!r}; wanted a string or a path")
     return Path(value)
+
+
+def default_or(name: str, given: Any, default: T, algorithm: str) -> T:
+    """What was given for an algorithm, or its default where that is None.
+
+    Raises:
+        BadTypeError: of another type than the default, such as another algorithm's.
+    """
+    if given is None:
+        return default
+    if type(given) is not type(default):
+        raise BadTypeError(
+            f"{name}: got {type(given).__name__}; algorithm {algorithm!r} takes "
+            f"{type(default).__name__}"
+        )
+    return given

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import one_of, whole_number
+from usvjax.checks import default_or, one_of, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvkernels.swarms import aco, cmpso, ga, gwo
 from usvkernels.swarms.laws import LAWS, GwoParams
@@ -63,11 +63,7 @@ def checked_params(name: str, given: Any, runs: int, dtype: Any) -> Params:
       BadInputError: a wrong shape, not finite, or out of range.
     """
     default = ALGORITHMS[name].params
-    given = default if given is None else given
-    if type(given) is not type(default):
-        raise BadTypeError(
-            f"params: got {type(given).__name__}; algorithm {name!r} takes {type(default).__name__}"
-        )
+    given = default_or("params", given, default, name)
     leaves: dict[str, Any] = {
         f.name: _leaf(f.name, getattr(given, f.name), runs).astype(dtype) for f in fields(default)
     }
@@ -103,11 +99,7 @@ def checked_static(name: str, given: Any, population: int) -> Static:
       BadInputError: an unknown or impossible choice, or too small a population.
     """
     default = ALGORITHMS[name].static
-    given = default if given is None else given
-    if type(given) is not type(default):
-        raise BadTypeError(
-            f"static: got {type(given).__name__}; algorithm {name!r} takes {type(default).__name__}"
-        )
+    given = default_or("static", given, default, name)
     if isinstance(given, gwo.GwoStatic):
         _check_wolves(name, given, population)
     elif isinstance(given, aco.AcoStatic):

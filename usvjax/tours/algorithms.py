@@ -8,7 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from usvjax.checks import whole_number
+from usvjax.checks import default_or, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvkernels.swarms.cmpso import CmpsoParams, CmpsoStatic
 from usvkernels.swarms.gwo import LEADERS
@@ -122,11 +122,7 @@ def checked_params(name: str, given: Any, runs: int) -> Any:
       BadInputError: a wrong shape, not finite, or out of range.
     """
     default = ALGORITHMS[name].params
-    given = default if given is None else given
-    if type(given) is not type(default):
-        raise BadTypeError(
-            f"params: got {type(given).__name__}; algorithm {name!r} takes {type(default).__name__}"
-        )
+    given = default_or("params", given, default, name)
     leaves = {f.name: _leaf(f.name, getattr(given, f.name), runs) for f in fields(default)}
     return type(default)(**leaves)
 
