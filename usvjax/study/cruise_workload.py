@@ -4,7 +4,6 @@
 happens under way. Methods are the keys of `usvjax.study.cruise_methods.METHODS`.
 """
 
-import threading
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from enum import IntEnum
@@ -13,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.errors import BadInputError, BadTypeError
 from usvjax.study.cruise_methods import (
     METHODS,
     CruiseOptions,
@@ -25,10 +23,9 @@ from usvjax.study.cruise_methods import (
 )
 from usvjax.study.cruise_waters import STATIONS, GridWaters, Lake, RandomWaters, Waters
 from usvjax.study.fields import read_table
-from usvjax.study.map_inputs import read_map, saying_where
+from usvjax.study.map_inputs import read_map, read_source, saying_where
 from usvjax.study.spec import Condition, StudySpec
-from usvjax.study.workload import Metric, Prepared
-from usvjax.suggest import did_you_mean
+from usvjax.study.workload import LastShard, Metric, Prepared
 from usvkernels.status import CRUISE_ENDINGS, Status
 
 Options = RandomWaters | GridWaters
@@ -71,8 +68,7 @@ class CruiseWorkload:
     success: IntEnum = Status.REACHED
 
     def __init__(self) -> None:
-        # Methods of a shard follow one another on one thread; what is shared serves them all.
-        self._last = threading.local()
+        self._last: LastShard[list[Posed]] = LastShard()
 
     def prepare(
         self, settings: Mapping[str, Mapping[str, Any]], folder: Path, where: str
@@ -100,14 +96,12 @@ class CruiseWorkload:
 
     def _posed(self, given: CruiseCondition, seed: int, jobs: np.ndarray) -> list[Posed]:
         """The cruises of jobs, in parts whose jobs follow one another."""
-        key = (id(given), seed, jobs.tobytes())
-        if getattr(self._last, "key", None) != key:
+
+        def drawn() -> list[Posed]:
             parts = np.split(jobs, np.flatnonzero(np.diff(jobs) != 1) + 1)
-            self._last.posed = [pose(given.waters, given.options, seed, part) for part in parts]
-            # The condition is kept as well, so that its id stays its own.
-            self._last.key, self._last.given = key, given
-        posed: list[Posed] = self._last.posed
-        return posed
+            return [pose(given.waters, given.options, seed, part) for part in parts]
+
+        return self._last.get(given, seed, jobs, drawn)
 
 
 def _columns(posed: Posed, method: str, metrics: tuple[Metric, ...]) -> dict[str, np.ndarray]:
@@ -126,13 +120,7 @@ def _read_maps(
     table: Mapping[str, Any], folder: Path, where: str
 ) -> tuple[str, Options, Waters, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    name = table.get("source", "random")
-    if not isinstance(name, str):
-        raise BadTypeError(f"{where}: 'source' must be a string, got {name!r}")
-    if name not in _SOURCES:
-        raise BadInputError(f"{where}: unknown source {name!r}; {did_you_mean(name, _SOURCES)}")
-    rest = {k: v for k, v in table.items() if k != "source"}
-    options = read_table(_SOURCES[name], rest, where)
+    name, options = read_source(table, _SOURCES, "random", where)
     if isinstance(options, RandomWaters):
         return name, options, options, {}
     if options.stations is None and not options.places:

@@ -17,13 +17,12 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.navigate import navigate_dwa
 from usvjax.presets import check_dwa, fit_window, preset
 from usvjax.scene import set_scene
-from usvjax.study.fields import check_keys, read_table, read_values
-from usvjax.study.map_inputs import read_map, saying_where
+from usvjax.study.fields import check_keys, read_values
+from usvjax.study.map_inputs import read_map, read_source, saying_where
 from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.waters import GridMaps, Water
 from usvjax.study.workload import Metric, Prepared
-from usvjax.suggest import did_you_mean
 from usvkernels.dwa import DwaParams, DwaStatic
 from usvkernels.status import EPISODE_ENDINGS, Status
 
@@ -134,13 +133,7 @@ def _read_maps(
     table: Mapping[str, Any], folder: Path, where: str
 ) -> tuple[str, LatticeMaps | RandomMaps | GridMaps, Source, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    name = table.get("source", "lattice")
-    if not isinstance(name, str):
-        raise BadTypeError(f"{where}: 'source' must be a string, got {name!r}")
-    if name not in _SOURCES:
-        raise BadInputError(f"{where}: unknown source {name!r}; {did_you_mean(name, _SOURCES)}")
-    rest = {k: v for k, v in table.items() if k != "source"}
-    options = read_table(_SOURCES[name], rest, where)
+    name, options = read_source(table, _SOURCES, "lattice", where)
     if not isinstance(options, GridMaps):
         return name, options, options, {}
     grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)

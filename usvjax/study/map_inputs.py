@@ -1,13 +1,17 @@
 """Maps that studies read: found beside the study or in the package, and their digests."""
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol, TypeVar
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, find_map
+from usvjax.study.fields import read_table
+from usvjax.suggest import did_you_mean
+
+T = TypeVar("T")
 
 MOST_CELLS = 10**8
 """Of a refined map: a byte each, and eight while it is refined."""
@@ -55,6 +59,33 @@ class OnChart:
     def origin(self) -> tuple[float, float]:
         """South-west corner of cell (0, 0), m."""
         return self.chart.origin
+
+
+def read_source(
+    table: Mapping[str, Any], sources: Mapping[str, type[T]], default: str, where: str
+) -> tuple[str, T]:
+    """Read the `source` of a `[maps]` table and the options that go with it.
+
+    Args:
+        table: the TOML table.
+        sources: name of a source to its dataclass of options.
+        default: the source where none is named.
+        where: the study file and table, for the messages.
+
+    Returns:
+        The source's name and its options.
+
+    Raises:
+        BadInputError: no such source, or a key or value that it cannot use.
+        BadTypeError: a value of the wrong type.
+    """
+    name = table.get("source", default)
+    if not isinstance(name, str):
+        raise BadTypeError(f"{where}: 'source' must be a string, got {name!r}")
+    if name not in sources:
+        raise BadInputError(f"{where}: unknown source {name!r}; {did_you_mean(name, sources)}")
+    rest = {k: v for k, v in table.items() if k != "source"}
+    return name, read_table(sources[name], rest, where)
 
 
 def read_map(

@@ -6,7 +6,6 @@ keys of `usvjax.study.route_methods.METHODS`.
 """
 
 import hashlib
-import threading
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from enum import IntEnum
@@ -15,11 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.disk import read_bytes
 from usvjax.search.astar import AstarResult
 from usvjax.study.fields import read_table
-from usvjax.study.map_inputs import map_digest, read_map, saying_where
+from usvjax.study.map_inputs import map_digest, read_map, read_source, saying_where
 from usvjax.study.route_benchmark import ScenarioQueries, read_benchmark
 from usvjax.study.route_methods import (
     ENDINGS,
@@ -34,8 +32,7 @@ from usvjax.study.route_methods import (
 )
 from usvjax.study.route_queries import Chart, GridQueries, QuerySource, RandomQueries
 from usvjax.study.spec import Condition, StudySpec
-from usvjax.study.workload import Metric, Prepared
-from usvjax.suggest import did_you_mean
+from usvjax.study.workload import LastShard, Metric, Prepared
 from usvkernels.status import Status
 
 Options = RandomQueries | GridQueries | ScenarioQueries
@@ -102,8 +99,7 @@ class RouteWorkload:
     success: IntEnum = Status.FOUND
 
     def __init__(self) -> None:
-        # Methods of a shard follow one another on one thread; the last queries serve them all.
-        self._last = threading.local()
+        self._last: LastShard[_Posed] = LastShard()
 
     def prepare(
         self, settings: Mapping[str, Mapping[str, Any]], folder: Path, where: str
@@ -150,21 +146,12 @@ class RouteWorkload:
         Returns:
             The routes, and float64[J], the lengths of the shortest ones, m.
         """
-        posed = self._posed(given, seed, jobs)
+        posed = self._last.get(given, seed, jobs, lambda: _pose(given, seed, jobs))
         found = posed.shortest
         if not METHODS[method].is_plain or given.search.max_expansions is not None:
             found = find_paths(posed.area.queries, given.search, method)
         routes = finish_routes(found, posed.area, method, given.search, given.smoothing)
         return routes, posed.optimum
-
-    def _posed(self, given: RouteCondition, seed: int, jobs: np.ndarray) -> _Posed:
-        key = (id(given), seed, jobs.tobytes())
-        if getattr(self._last, "key", None) != key:
-            self._last.posed = _pose(given, seed, jobs)
-            # The condition is kept as well, so that its id stays its own.
-            self._last.key, self._last.given = key, given
-        posed: _Posed = self._last.posed
-        return posed
 
 
 def _pose(given: RouteCondition, seed: int, jobs: np.ndarray) -> _Posed:
@@ -184,13 +171,7 @@ def _read_maps(
     table: Mapping[str, Any], folder: Path, where: str
 ) -> tuple[str, Options, QuerySource, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    name = table.get("source", "random")
-    if not isinstance(name, str):
-        raise BadTypeError(f"{where}: 'source' must be a string, got {name!r}")
-    if name not in _SOURCES:
-        raise BadInputError(f"{where}: unknown source {name!r}; {did_you_mean(name, _SOURCES)}")
-    rest = {k: v for k, v in table.items() if k != "source"}
-    options = read_table(_SOURCES[name], rest, where)
+    name, options = read_source(table, _SOURCES, "random", where)
     if isinstance(options, RandomQueries):
         return name, options, options, {}
     if isinstance(options, GridQueries):

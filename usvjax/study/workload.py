@@ -7,11 +7,12 @@ run anywhere and in any order and are resumed at any time.
 """
 
 import importlib
-from collections.abc import Mapping
+import threading
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from usvjax.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from usvjax.study.spec import Condition, StudySpec
+
+Posed = TypeVar("Posed")
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,30 @@ class Workload(Protocol):
             "status" and every metric's name -> array[J], in the order of `jobs`.
         """
         ...
+
+
+class LastShard(Generic[Posed]):
+    """What the methods of a shard share; they follow one another on one thread."""
+
+    def __init__(self) -> None:
+        self._last = threading.local()
+
+    def get(self, given: Any, seed: int, jobs: np.ndarray, pose: Callable[[], Posed]) -> Posed:
+        """What was posed last on this thread, if for the same; else pose it.
+
+        Args:
+            given: the payload of a condition.
+            seed: of the study.
+            jobs: int64[J].
+            pose: draws what the methods share.
+        """
+        key = (id(given), seed, jobs.tobytes())
+        if getattr(self._last, "key", None) != key:
+            self._last.posed = pose()
+            # The condition is kept as well, so that its id stays its own.
+            self._last.key, self._last.given = key, given
+        posed: Posed = self._last.posed
+        return posed
 
 
 # Import paths, not classes: a kind is imported when a study asks for it.
