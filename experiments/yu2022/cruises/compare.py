@@ -8,8 +8,7 @@ from scipy import stats
 
 from experiments import estimates
 from experiments.yu2022.cruises.published import PROPOSED, RUNS
-from experiments.yu2022.cruises.runs import ALGORITHMS, CELL, Cruises, Results, Seconds, Varied
-from usvjax.cruises import CruiseResult
+from experiments.yu2022.cruises.runs import CELL, Cruises, Results, Seconds, Varied
 from usvkernels.status import Status
 
 LEAST_RUNS = 20
@@ -60,14 +59,10 @@ def _algorithm(own: Cruises, optimum: float) -> dict[str, Any]:
         for code in np.unique(own.result.status)
     }
     return {
-        "runs": len(complete),
-        "complete": estimates.share(complete),
+        **_outcome(own),
         "endings": shares,
-        "length": estimates.spread(own.length[complete]),
         "track": estimates.spread(own.result.length[complete]),
         "smoothed": estimates.spread(own.result.smooth_length[complete]),
-        "inflections": estimates.spread(own.inflections[complete].astype(float)),
-        "waits": estimates.spread(own.result.waits[complete].astype(float)),
         "gap": {
             "mean": float(gap.mean()),
             "least": float(gap.min()),
@@ -83,23 +78,22 @@ def vary(varied: Varied) -> dict[str, Any]:
     """What the flips change, in Case 1: environment, kind of flips, algorithm."""
     return {
         environment: {
-            label: {name: _varied(own, ALGORITHMS[name].smoothed) for name, own in rows.items()}
+            label: {name: _outcome(own) for name, own in rows.items()}
             for label, rows in kinds.items()
         }
         for environment, kinds in varied.items()
     }
 
 
-def _varied(own: CruiseResult, smoothed: bool) -> dict[str, Any]:
-    complete = own.status == int(Status.REACHED)
-    length = own.smooth_length if smoothed else own.length
-    turns = own.smooth_inflections if smoothed else own.inflections
+def _outcome(own: Cruises) -> dict[str, Any]:
+    """How many came home, and how they went."""
+    complete = own.complete
     return {
         "runs": len(complete),
         "complete": estimates.share(complete),
-        "length": estimates.spread(length[complete]),
-        "inflections": estimates.spread(turns[complete].astype(float)),
-        "waits": estimates.spread(own.waits[complete].astype(float)),
+        "length": estimates.spread(own.length[complete]),
+        "inflections": estimates.spread(own.inflections[complete].astype(float)),
+        "waits": estimates.spread(own.result.waits[complete].astype(float)),
     }
 
 

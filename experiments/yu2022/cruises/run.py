@@ -74,6 +74,6 @@ def _shortest(stations: np.ndarray, seed: int) -> float:
 
 
 def _cruises(results: Results, varied: Varied) -> int:
-    own = sum(len(own.complete) for sailed in results.values() for own in sailed.values())
     kinds = [algorithms for rows in varied.values() for algorithms in rows.values()]
-    return own + sum(len(found.status) for algorithms in kinds for found in algorithms.values())
+    every = [own for sailed in [*results.values(), *kinds] for own in sailed.values()]
+    return sum(len(own.complete) for own in every)

@@ -113,7 +113,7 @@ Results = dict[tuple[str, int], dict[str, Cruises]]
 """Environment and case, then algorithm."""
 Seconds = dict[str, dict[str, list[float]]]
 """Environment, algorithm, and seconds of single cruises."""
-Varied = dict[str, dict[str, dict[str, CruiseResult]]]
+Varied = dict[str, dict[str, dict[str, Cruises]]]
 """Environment, kind of flips, algorithm."""
 
 
@@ -194,9 +194,8 @@ def sail_all(plan: Plan, advance: Callable[[int], None]) -> Results:
     for environment, case in plan.chosen:
         for name, algorithm in ALGORITHMS.items():
             maps = maps_of(environment, case, plan.count(algorithm, case), plan.seed)
-            lengths, found = _once(algorithm, maps, environment.cases[case], plan.seed)
-            cruises = Cruises(found, lengths, algorithm.smoothed)
-            results.setdefault((environment.name, case), {})[name] = cruises
+            found = _once(algorithm, maps, environment.cases[case], plan.seed)
+            results.setdefault((environment.name, case), {})[name] = found
             advance(1)
     return results
 
@@ -208,7 +207,7 @@ def sail_varied(plan: Plan, advance: Callable[[int], None]) -> Varied:
         maps = maps_of(environment, 1, plan.varied_runs, plan.seed)
         for label, flips in FLIPS.items():
             for name in VARIED:
-                _, found = _once(ALGORITHMS[name], maps, environment.cases[1], plan.seed, flips)
+                found = _once(ALGORITHMS[name], maps, environment.cases[1], plan.seed, flips)
                 results.setdefault(environment.name, {}).setdefault(label, {})[name] = found
             advance(1)
     return results
@@ -237,8 +236,8 @@ def _once(
     stations: np.ndarray,
     seed: int,
     flips: Mapping[str, Any] = MappingProxyType({}),
-) -> tuple[np.ndarray, CruiseResult]:
+) -> Cruises:
     tour = uj.solve_tour(stations, seed, algorithm=algorithm.tour, runs=len(maps))
     options = {"cell_size": CELL, "speed": SPEED, **algorithm.sails, **flips}
     result = uj.cruise(maps, stations, seed, order=tour.order, **options)
-    return tour.length, result
+    return Cruises(result, tour.length, algorithm.smoothed)
