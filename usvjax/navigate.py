@@ -21,7 +21,7 @@ from usvkernels.lanes import LEAST_LANES
 MOST_LANES = 256  # state of a step stays within the second-level cache
 MOST_ROWS = 8192  # episodes per call of a device; memory does not grow past it
 JOBS_PER_LANE = 4  # at least, or lanes idle for want of a next job
-CHUNK = 32  # steps between two refills
+CHUNK = 8  # steps between two refills
 
 _tracing = Lock()
 
