@@ -1,4 +1,4 @@
-"""A batch of bucket queues, a contestant of pqueue_designs: it lost, and is not in the product.
+"""A batch of bucket queues, a contestant of pqueue_designs: fast and inexact, not in the product.
 
 Keys are sorted into buckets of equal width, in a ring that moves on with the least key; within a
 bucket, entries leave last in, first out. So order is exact to the width of a bucket only. What
