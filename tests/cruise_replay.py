@@ -17,6 +17,9 @@ from usvkernels.status import Status
 
 _words = jax.jit(words)
 
+GIVEN_UP = (Status.UNREACHABLE, Status.OUT_OF_BUDGET)
+"""How legs end whose stop is left out: there was no way, or none was found."""
+
 
 @dataclass
 class Options:
@@ -100,10 +103,11 @@ def walk(
         truth ^= flips[step] & window if options.scope == "window" else flips[step]
         known[window] = truth[window]
         walked.maps.append(truth.copy())
-        while leg is not None and leg[1:] == (Status.UNREACHABLE, step):
+        while leg is not None and leg[1] in GIVEN_UP and leg[2] == step:
             assert waited >= options.max_wait, f"step {step}: gave up after {waited} steps"
             left = _distance(known, stops[leg[0] + 1], options)
-            assert not options.certain or np.isinf(left[here[1], here[0]])
+            proven = leg[1] == Status.UNREACHABLE
+            assert np.isinf(left[here[1], here[0]]) if proven else not options.certain
             leg, waited, begun = next(legs, None), 0, step
             while leg is not None and leg[1:] == (Status.REACHED, step):
                 assert np.array_equal(here, stops[leg[0] + 1])

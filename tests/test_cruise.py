@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from cruise_scenes import HEIGHT, WIDTH, Scenes, random_scenes
 
+from usvjax import planners
 from usvjax.cruises import CruiseResult, orders
 from usvjax.maps import GridMap
+from usvjax.search.astar import astar
 from usvkernels.status import Status
 
 FREE = np.zeros((HEIGHT, WIDTH), bool)
@@ -119,6 +121,49 @@ def test_a_map_in_the_world_and_many_seeds() -> None:
         replay.walk(lake.blocked, stops, many.seeds[row], track, *legs, options)
         moves = np.diff(track, axis=0)
         assert np.isclose(many.length[row], 250.0 * np.hypot(*moves.T).sum())
+
+
+# --- no way found is not no way there -----------------------------------------------------------
+
+
+@pytest.fixture
+def misses_home(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`plan_paths` finds shortest paths, but none to home nor to (11, 9)."""
+
+    def plan_paths(blocked: Any, starts: Any, goals: Any, key: Any, **options: Any) -> Any:
+        found = astar(blocked, starts, goals)
+        missed = np.all(goals == PLACES[0], axis=1) | np.all(goals == PLACES[2], axis=1)
+        missed &= found.status == Status.FOUND
+        status = np.where(missed, int(Status.OUT_OF_BUDGET), found.status)
+        return SimpleNamespace(status=status, path=found.path, path_length=found.path_length)
+
+    monkeypatch.setattr(planners, "plan_paths", plan_paths)
+
+
+@pytest.mark.parametrize(("how", "waits"), [("wait", 6), ("skip", 0)])
+@pytest.mark.usefixtures("misses_home")
+def test_way_that_is_not_found(how: str, waits: int) -> None:
+    result = sail(walled((6, 5)), walled_in=how, max_wait=2, method="ga")
+    none, missed = Status.UNREACHABLE, Status.OUT_OF_BUDGET
+    assert result.leg_status.tolist() == [[1, missed, none, 1, missed]]
+    assert result.status.tolist() == [missed]
+    assert result.waits.tolist() == [waits]
+    assert result.visited.tolist() == [[True, True, False, False, True]]
+
+
+@pytest.mark.usefixtures("misses_home")
+def test_way_that_is_not_found_fails() -> None:
+    result = sail(walled_in="fail", method="ga")
+    assert result.leg_status.tolist() == [[1, Status.OUT_OF_BUDGET, 0, 0, 0]]
+    assert result.status.tolist() == [Status.OUT_OF_BUDGET]
+
+
+@pytest.mark.usefixtures("misses_home")
+def test_station_that_is_not_found_makes_a_cruise_partial() -> None:
+    """The vessel is home already when it gives up (11, 9), and needs no way there."""
+    result = Scenes(FREE, PLACES[[0, 2]], np.arange(2)).sail(walled_in="skip", method="ga")
+    assert result.leg_status.tolist() == [[Status.OUT_OF_BUDGET, Status.REACHED]]
+    assert result.status.tolist() == [Status.PARTIAL]
 
 
 # --- the order ------------------------------------------------------------------------------

@@ -1,14 +1,17 @@
 """Every mistake in the arguments of `cruise` is named before anything is computed."""
 
+import inspect
 from typing import Any
 
 import jax
 import numpy as np
 import pytest
 
-from usvjax.cruises import cruise, mission
+from usvjax import planners
+from usvjax.cruises import cruise, mission, rounds
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
+from usvjax.search import inputs
 
 BLOCKED = np.zeros((3, 6, 7), bool)
 BLOCKED[1, 5, 0] = True
@@ -22,8 +25,8 @@ class ComputeError(Exception):
 
 @pytest.fixture(autouse=True)
 def _no_compute(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise ComputeError
+    def refuse(checked: object, *_: object, **__: object) -> None:
+        raise ComputeError(checked)
 
     monkeypatch.setattr(mission, "sail", refuse)
     monkeypatch.setattr(mission, "sail_in_rounds", refuse)
@@ -58,6 +61,11 @@ def put(array: np.ndarray, index: tuple[int, ...], value: Any) -> np.ndarray:
         {"flip_rate": [0.0, 0.5, 1.0]},
         {"sensing": [3, 7]},
         {"method": "astar", "corner_cutting": True},
+        {"method": "astar", "max_steps": 20000},
+        {"method": "astar", "blocked": np.zeros((2100, 2100), bool)},
+        {"method": "ga", "planner_options": {"iterations": 3, "population": 8, "params": None}},
+        {"stations": STATIONS.astype(np.uint64)},
+        {"first": 2**31 - 3},
         {"heuristic": "weighted_octile", "weight": 2},
         {"walled_in": "skip", "max_wait": 0},
     ],
@@ -78,6 +86,9 @@ def test_good_input_passes(fine: dict[str, Any]) -> None:
         ({"stations": put(STATIONS, (1, 2), (0, 5))}, r"\(0, 5\), station 2 in row 1, is a block"),
         ({"stations": put(STATIONS, (2, 1), (7, 5))}, r"\(7, 5\), station 1 in row 2, lies outs"),
         ({"stations": put(STATIONS, (2, 1), (0, -1))}, r"\(0, -1\), station 1 in row 2, lies out"),
+        ({"stations": put(STATIONS, (2, 1, 0), 2**32 + 3)}, r"\(4294967299, 5\), station 1 in row"),
+        ({"stations": put(STATIONS[0], (1, 1), 2**32)}, r"\(6, 4294967296\), station 1 in row 0,"),
+        ({"stations": put(STATIONS[0], (2,), (0, 5))}, r"\(0, 5\), station 2 in row 1, is a block"),
         ({"stations": STATIONS[:2]}, r"stations: got 2 rows; wanted 3, or one for all"),
         ({"runs": 4}, r"blocked: got 3 rows; wanted 4, as runs says"),
         ({"runs": 0}, r"runs: got 0; wanted 1 or more"),
@@ -105,8 +116,29 @@ def test_good_input_passes(fine: dict[str, Any]) -> None:
         ({"sensing": (1, 5)}, r"sensing: got \(1, 5\); wanted \(h, w\), two odd"),
         ({"sensing": None}, r"sensing: got None; wanted \(h, w\), two odd"),
         ({"max_wait": -1}, r"max_wait: got -1; wanted 0 or more"),
+        ({"first": -1}, r"first: got -1; wanted 0 or more"),
         ({"max_steps": 0}, r"max_steps: got 0; wanted 1 or more"),
         ({"max_steps": 10**6}, r"max_steps: got 1000000 on maps of 7 x 6 cells; wanted at most"),
+        (
+            {"max_steps": 2**29, "method": "astar"},
+            r"max_steps: got 536870912 for cruises of 3 stations; wanted at most 178956970",
+        ),
+        (
+            {"blocked": np.zeros((1400, 1400), bool)},
+            r"blocked: got maps of 1400 x 1400 cells, on which a leg can have at most 2634 steps "
+            r"with heuristic='weighted'; wanted smaller maps, or max_steps up to 2634$",
+        ),
+        (
+            {"blocked": np.zeros((1979, 1979), bool), "max_steps": 9},
+            r"blocked: .* at most 0 steps with heuristic='weighted'; wanted smaller maps$",
+        ),
+        ({"blocked": np.zeros((1990, 1990), bool)}, r"blocked: .* wanted a diagonal of at most"),
+        ({"heuristic": "octil", "method": "astar"}, r"heuristic: got 'octil'; did you mean"),
+        ({"first": 2**31 - 2}, r"first \+ runs: got 2147483646 \+ 3; wanted at most 2\*\*31"),
+        ({"method": "ga", "planner_options": {"iteration": 3}}, r"'iteration'; did you mean 'it"),
+        ({"method": "ga", "planner_options": {"algorithm": "ga"}}, r"got 'algorithm'; valid: it"),
+        ({"method": "ga", "planner_options": {"iterations": 0}}, r"iterations: got 0; wanted 1"),
+        ({"method": "ga", "planner_options": {1: 2}}, r"planner_options: got 1; valid: iteratio"),
         ({"max_expansions": 0}, r"max_expansions: got 0; wanted 1 or more"),
         ({"speed": 0.0}, r"speed: got 0.0; wanted a number above 0"),
         ({"cell_size": -1}, r"cell_size: got -1; wanted a number above 0"),
@@ -124,6 +156,38 @@ def test_bad_values(changes: dict[str, Any], message: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("given", "steps"),
+    [
+        ({}, 5694),
+        ({"heuristic": "octile"}, 8577),
+        ({"heuristic": "chebyshev"}, 8577),
+        ({"method": "astar"}, 12672),
+        ({"max_steps": 5694}, 5694),
+    ],
+)
+def test_default_steps_of_a_leg_are_as_many_as_fit(given: dict[str, Any], steps: int) -> None:
+    with pytest.raises(ComputeError) as caught:
+        sail(blocked=np.zeros((730, 854), bool), **given)
+    assert caught.value.args[0].max_steps == steps
+    with pytest.raises(ComputeError) as caught:
+        sail(**given)
+    assert caught.value.args[0].max_steps == given.get("max_steps", 8 * (6 + 7))
+
+
+@pytest.mark.parametrize("method", ["dstar_lite", "astar"])
+def test_more_cruises_than_memory_holds(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(inputs, "free_memory", lambda: 2**30)
+    given = {"blocked": BLOCKED[0], "stations": STATIONS[0], "order": [0, 1, 2], "method": method}
+    with pytest.raises(BadInputError, match=r"runs: 2000000000 cruises of 3 stations needs .* GiB"):
+        sail(runs=2 * 10**9, **given)
+
+
+def test_planner_options_are_those_of_plan_paths() -> None:
+    keywords = inspect.getfullargspec(planners.plan_paths).kwonlyargs
+    assert set(rounds.PLANNER_OPTIONS) == set(keywords) - {"algorithm"}
+
+
+@pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"stations": STATIONS.astype(float)}, r"stations: got dtype float64; wanted int"),
@@ -137,6 +201,7 @@ def test_bad_values(changes: dict[str, Any], message: str) -> None:
         ({"speed": None}, r"speed: got None; wanted a number"),
         ({"runs": 2.0}, r"runs: got 2.0; wanted a whole number"),
         ({"key": 1.5}, r"key: got 1.5; wanted an integer seed or a JAX key"),
+        ({"method": "aco", "planner_options": {"params": 3}}, r"params: got int; wanted .*AcoPar"),
         ({"planner_options": [1]}, r"planner_options: got \[1\]; wanted a mapping"),
     ],
 )

@@ -15,7 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from usvjax import planners
-from usvjax.cruises import CruiseResult
+from usvjax.cruises import CruiseResult, rounds
+from usvjax.errors import BadInputError
+from usvjax.search import inputs
 from usvjax.search.astar import astar
 from usvkernels.status import Status
 
@@ -180,6 +182,26 @@ def test_lanes_batch_and_devices_do_not_matter(scenes: Scenes, window: CruiseRes
     assert 0 < got.occupancy <= 1
 
 
+@pytest.mark.parametrize("shared", [False, True])
+def test_blocks_of_rounds_do_not_matter(
+    shared: bool, scenes: Scenes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows: Any = 16 if shared else np.arange(0, CRUISES, 8)
+    some = Scenes(scenes.blocked[rows], scenes.stations[rows], scenes.order[rows])
+    given = {"method": "astar", "max_wait": 5, "flip_rate": 0.05, "first": 3, "runs": 8}
+    want = fields_of(some.sail(**given), 8)
+    monkeypatch.setattr(rounds, "MOST_CELLS", 3 * scenes.blocked[0].size)
+    got = fields_of(some.sail(**given), 8)
+    for name, value in got.items():
+        assert np.array_equal(value, want[name]), name
+
+
+def test_rounds_of_too_large_maps(scenes: Scenes, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(inputs, "free_memory", lambda: 2**16)
+    with pytest.raises(BadInputError, match=r"blocked: 64 cruises at once on 13 x 11 cells needs"):
+        scenes.sail(method="astar")
+
+
 def test_methods_meet_the_same_flips(scenes: Scenes, window: CruiseResult) -> None:
     other = scenes.first(8).sail(method="astar", max_wait=WAIT, flip_rate=0.03)
     assert np.array_equal(other.seeds, window.seeds[:8])
@@ -197,7 +219,8 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     def plan_paths(blocked: Any, starts: Any, goals: Any, key: Any, **options: Any) -> Any:
         assert options == {"algorithm": "ga", "iterations": 3}
         words = np.asarray(jax.random.key_data(key))
-        keys.append(words)
+        if blocked.size > 1:  # else the options are checked
+            keys.append(words)
         found = astar(blocked, starts, goals)
         fails = (words[:, 1] % 4 == 0) & (found.status == Status.FOUND)
         status = np.where(fails, int(Status.OUT_OF_BUDGET), found.status)
@@ -207,7 +230,9 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return keys
 
 
-def test_planner_that_fails_is_asked_again(scenes: Scenes, planned: list[Any]) -> None:
+def test_planner_that_fails_is_asked_again(
+    scenes: Scenes, planned: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     rows = np.arange(0, CRUISES, 8)
     some = Scenes(scenes.blocked[rows], scenes.stations[rows], scenes.order[rows])
     given = {"method": "ga", "planner_options": {"iterations": 3}, "flip_rate": 0.05}
@@ -220,5 +245,6 @@ def test_planner_that_fails_is_asked_again(scenes: Scenes, planned: list[Any]) -
     assert result.waits[0] > 0  # in open water it waits for nothing but a plan
     assert result.status[0] == Status.REACHED
     planned.clear()
+    monkeypatch.setattr(rounds, "MOST_CELLS", scenes.blocked[0].size)
     again = some.first(3).sail(max_wait=4, **given)
     assert np.array_equal(again.leg_step, result.leg_step[:3])

@@ -1,6 +1,7 @@
 """Studies of kind "cruise": what they draw, what they measure, what they refuse."""
 
 import itertools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import jax
@@ -12,11 +13,21 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, random_maps, save_map
 from usvjax.plots import figures_for_run
 from usvjax.plots.cruise import TRACK_ID
-from usvjax.plots.cruise_study import typical_cruise
+from usvjax.plots.cruise_study import typical_cruise, visits_words
 from usvjax.plots.route import length_words
 from usvjax.study import load_run, load_spec, parse_spec, run_study
-from usvjax.study.cruise_methods import METHODS, Posed, pose, sail, shortest_tours
+from usvjax.study.cruise_methods import (
+    METHODS,
+    Posed,
+    leg_lengths,
+    pose,
+    sail,
+    shortest_tours,
+    tour_lengths,
+)
 from usvjax.study.cruise_waters import GridWaters, Lake, RandomWaters
+from usvjax.study.itinerary import itinerary
+from usvjax.study.report import number
 from usvkernels.status import CRUISE_ENDINGS, Status
 
 JOBS = np.arange(8)
@@ -235,7 +246,8 @@ def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch
         return path
 
     monkeypatch.setattr("usvjax.plots.style.save", kept)
-    figures_for_run(finished.path, max_examples=1)
+    written = figures_for_run(finished.path, max_examples=1)
+    assert {path.name for path in written} == {"methods.png", "cruise-c0.png", "cruise-c0.csv"}
     assert set(drawn) == {"methods.png", "cruise-c0.png"}
     labels = [ax.get_ylabel() for ax in drawn["methods.png"].axes]
     assert labels[1:] == ["length of the cruise (m)", "time (s)", "changes of course"]
@@ -249,6 +261,53 @@ def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch
     assert sailed == pytest.approx(lengths[job], rel=1e-6)
     assert f"job {job} ({why})" in ax.get_title()
     assert f"{STATIONS} stations, {length_words(lengths[job])}," in ax.get_title()
+
+
+def one_cruise(job, **options):
+    """A cruise of the small study, and the distances between its stations."""
+    (condition,) = parse_spec(cruise_study(cruise=options)).conditions
+    posed = pose(condition.payload.waters, condition.payload.options, 7, np.asarray([job]))
+    legs = {
+        name: leg_lengths(posed.sites, CELL, replace(posed.options, distances=name))
+        for name in ("straight", "water")
+    }
+    return posed, sail(posed, "recommended"), legs
+
+
+def test_an_itinerary_is_the_cruise_stop_by_stop():
+    posed, sailed, legs = one_cruise(3, distances="water", speed=SPEED, flip_rate=0.1)
+    stops = itinerary(posed, sailed, legs)
+    assert (sailed.status[0], sailed.waits[0] > 0) == (Status.REACHED, True)
+    order = [*sailed.order[0], 0]
+    assert stops["station"].to_list() == order
+    np.testing.assert_allclose(
+        stops.select("x", "y"), (posed.sites.stations[0][order] + 0.5) * CELL
+    )
+    assert stops["straight"].sum() == pytest.approx(tour_lengths(legs["straight"], [order[:-1]])[0])
+    assert (stops["water"] >= stops["straight"] - 1e-9).all()
+    assert (stops["sailed"].diff()[1:] >= stops["straight"][1:] - 1e-9).all()
+    assert stops["sailed"][-1] == pytest.approx(sailed.smooth_length[0])
+    assert stops["time"][-1] == pytest.approx(sailed.smooth_time[0])
+
+
+def test_an_itinerary_has_no_time_for_stops_given_up():
+    posed, sailed, legs = one_cruise(3, flip_rate=0.5, walled_in="skip", speed=SPEED)
+    stops = itinerary(posed, sailed, legs)
+    came = stops["status"].is_in(["start", "reached"])
+    assert 1 < came.sum() < len(stops)
+    assert (stops["time"].is_not_null() == came).all()
+    assert f"{sailed.visited[0].sum()} of {STATIONS} stations visited" in visits_words(sailed)
+
+
+def test_a_summary_counts_the_stations_skipped_over_all_cruises(finished):
+    table = load_run(finished.path).table()
+    means = [table.filter(condition=c)["skipped"].mean() for c in (0, 1)]
+    assert means[0] == 0 < means[1]
+    rows = (finished.path / "summary.md").read_text().splitlines()
+    header = next(row for row in rows if row.startswith("| Condition |"))
+    assert header.endswith("| Stations skipped, mean |")
+    second = next(row for row in rows if "0.2 | recommended |" in row)
+    assert second.endswith(f"| {number(means[1])} |")
 
 
 @pytest.mark.parametrize("name", ["cruise_hongze", "cruise_random"])
@@ -297,14 +356,16 @@ def test_settings_that_cannot_be_used_are_refused(table, change, words):
     ("change", "words"),
     [
         ({"inflate": -1.0}, "'inflate' must be 0 or more"),
-        ({"min_clearance": 300.0}, "no room for 20 stations"),
+        ({"min_clearance": 300.0}, "0 cells where a station may be, has no room for 20 stations"),
         ({"min_clearance": float("nan")}, "'min_clearance' must be 0 or more"),
         ({"places": [[1075.0, -425.0]]}, "must have 2 to 200 stations"),
         ({"places": [[1075.0, -425.0], [1010.0, -425.0]]}, "(1010, -425) is not on the map's"),
         ({"places": [[1075.0, -425.0], [1.0, 2.0]]}, "(1, 2) is not on the map's water"),
         ({"places": [[1075.0, -425.0], [1625.0, -425.0]]}, "no water joins (1625, -425)"),
         ({"places": [[1075.0, -425.0], [1076.0, -424.0]]}, "two stations in one cell"),
-        ({"places": [[1075.0, -425.0], [float("inf"), 0.0]]}, "not finite"),
+        ({"places": [[1075.0, -425.0], [float("inf"), 0.0]]}, "no place in metres"),
+        ({"places": [[1075.0, -425.0], [1e300, 0.0]]}, "no place in metres"),
+        ({"places": []}, "must have 2 to 200 stations"),
         ({"places": [[1075.0, -425.0], [1480.0, -60.5]], "stations": 2}, "'stations' is of"),
     ],
 )
@@ -314,6 +375,16 @@ def test_stations_that_cannot_be_used_are_refused(change, words, tmp_path):
     with pytest.raises(BadInputError) as caught:
         parse_spec(study, folder=tmp_path)
     assert words in str(caught.value)
+
+
+def test_a_method_that_cannot_count_so_many_steps_is_refused():
+    maps = {**MAPS, "shape": [90, 90]}
+    study = cruise_study(
+        maps=maps, cruise={"max_steps": 9_000}, methods=["recommended", "proposed"]
+    )
+    with pytest.raises(BadInputError, match="the study: method 'proposed': max_steps: got 9000"):
+        parse_spec(study)
+    parse_spec({**study, "methods": ["recommended", "astar"]})
 
 
 def test_a_value_of_the_wrong_type_is_refused():

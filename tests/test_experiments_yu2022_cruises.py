@@ -7,14 +7,25 @@ import pytest
 from scipy import stats
 
 from experiments.yu2022.cases import COMPLEX, ORDINARY
+from experiments.yu2022.cruises import figures as drawing
 from experiments.yu2022.cruises.compare import compare
 from experiments.yu2022.cruises.published import ALGORITHMS, CASES, METRICS, PROPOSED, STATISTICS
-from experiments.yu2022.cruises.report import section, summary
+from experiments.yu2022.cruises.report import counts, figures, note, readings, section, summary
 from experiments.yu2022.cruises.runs import ENVIRONMENTS, Cruises, maps_of
 from experiments.yu2022.cruises.verdicts import judge
+from experiments.yu2022.parts import Part, markdown
 from usvkernels.status import Status
 
 OPTIMUM = 160.0
+CASES_CLAIM = "Table 4: so in all cases (length)"
+PLAN = {
+    "runs": 200,
+    "swarm_runs": 20,
+    "case_runs": 190,
+    "case_swarm_runs": 5,
+    "repeats": 12,
+    "cases": (1, 2, 3, 4),
+}
 
 
 def made_up(length, inflections, n=50, tour=OPTIMUM, failed=(), seed=0):
@@ -46,11 +57,19 @@ def as_published(environment):
     }
 
 
-def verdicts_of(sailed, cases=(1,), environment="ordinary", proposed_seconds=None):
+def compared(sailed, cases=(1,), environment="ordinary", proposed_seconds=None):
     results = {(environment, case): sailed for case in cases}
     times = {name: [s.mean] for name, s in STATISTICS[environment]["planning_time"].items()}
-    times[PROPOSED] = [proposed_seconds] if proposed_seconds else times[PROPOSED]
-    found = compare(results, dict.fromkeys(results, OPTIMUM), {environment: times})
+    times[PROPOSED] = proposed_seconds or times[PROPOSED]
+    return compare(results, dict.fromkeys(results, OPTIMUM), {environment: times})
+
+
+def judged(sailed, **options):
+    return judge(compared(sailed, **options))
+
+
+def verdicts_of(sailed, **options):
+    found = compared(sailed, **options)
     return {v.claim: v.verdict for v in judge(found)}, found
 
 
@@ -93,7 +112,7 @@ def test_numbers_as_published_reproduce():
 def test_longer_cruises_do_not_reproduce():
     sailed = as_published("ordinary")
     sailed[PROPOSED] = made_up(2000.0, 90)
-    verdicts, _ = verdicts_of(sailed, cases=(1, 2, 3, 4), proposed_seconds=99.0)
+    verdicts, _ = verdicts_of(sailed, cases=(1, 2, 3, 4), proposed_seconds=[99.0])
     del verdicts["Figs. 6 to 10: all five find the same order (ordinary, Case 1)"]
     assert set(verdicts.values()) == {"does not reproduce"}
 
@@ -108,9 +127,72 @@ def test_one_algorithm_off_the_level_is_told():
 
 def test_few_runs_and_missing_cases_give_no_verdict():
     few = {name: made_up(1700.0, 40, n=4) for name in ALGORITHMS}
-    verdicts, _ = verdicts_of(few)
-    told = {v for claim, v in verdicts.items() if "time" not in claim}
-    assert told == {"too few maps"}
+    told = {v.claim: v for v in judged(few) if "time" not in v.claim}
+    assert {v.verdict for v in told.values()} == {"undecided"}
+    level = told["Table 3: the level of length"].found["as printed"].numbers
+    assert "too few runs: ACO 4, GA 4, CMPSO 4, GWO 4, IGWO 4 of 20" in level
+    one = {v.claim: v for v in judged(as_published("ordinary"))}
+    assert one[CASES_CLAIM].verdict == "undecided"
+    assert one[CASES_CLAIM].found["as printed"].numbers == "not all cases were run"
+
+
+def test_one_well_sampled_rival_refutes_whatever_the_others_lack():
+    sailed = as_published("complex")
+    sailed["gwo"] = made_up(4000.0, 60)
+    sailed["cmpso"] = made_up(5220.0, 127, n=20, failed=[3, 7])
+    verdicts, _ = verdicts_of(sailed, environment="complex")
+    for claim in ("shortest", "fewest inflection points"):
+        assert verdicts[f"Table 6: the proposed one has the {claim} of all"] == "does not reproduce"
+    for indicator in ("length", "inflection points"):
+        assert verdicts[f"Table 6: the level of {indicator}"] == "does not reproduce"
+        assert verdicts[f"Table 7: so in all cases ({indicator})"] == "does not reproduce"
+    sailed["gwo"] = as_published("complex")["gwo"]
+    found = {v.claim: v for v in judged(sailed, environment="complex")}
+    shortest = found["Table 6: the proposed one has the shortest of all"]
+    assert shortest.verdict == "undecided"
+    assert "too few runs: CMPSO 18 of 20" in shortest.found["as printed"].numbers
+
+
+def test_no_significant_difference_decides_nothing():
+    sailed = as_published("ordinary")
+    sailed["gwo"] = made_up(STATISTICS["ordinary"]["length"][PROPOSED].mean, 42, seed=7)
+    found = {v.claim: v for v in judged(sailed, cases=(1, 2, 3, 4))}
+    for claim in ("Table 3: the proposed one has the shortest of all", CASES_CLAIM):
+        assert found[claim].verdict == "undecided"
+        assert "GWO" in found[claim].found["as printed"].numbers
+
+
+def test_cases_are_compared_on_the_maps_that_both_sailed():
+    # The first five maps are hard for all: a swarm that sails only those looks worse than it is.
+    n = 40
+    hard = np.where(np.arange(n) < 5, 500.0, 0.0)
+    sailed = {name: made_up(1700.0 + hard, 40, n=n, seed=k) for k, name in enumerate(ALGORITHMS)}
+    sailed[PROPOSED] = made_up(1600.0 + hard, 30, n=n, seed=9)
+    sailed["aco"] = made_up(2000.0 + np.zeros(5), 40, n=5, seed=11)
+    found = {v.claim: v for v in judged(sailed, cases=(1, 2, 3, 4))}
+    own = found[CASES_CLAIM]
+    assert own.verdict == "does not reproduce"
+    assert "Case 1 ACO -1" in own.found["as printed"].numbers
+    assert "(n 5)" in own.found["as printed"].numbers
+    sailed["aco"] = made_up(2000.0 + np.zeros(4), 40, n=4, seed=11)
+    assert {v.claim: v for v in judged(sailed, cases=(1, 2, 3, 4))}[CASES_CLAIM].verdict == (
+        "undecided"
+    )
+
+
+@pytest.mark.parametrize(
+    ("seconds", "word"),
+    [
+        ([9.0, 10.0], "reproduces"),
+        ([9.0, 10.5], "undecided"),
+        ([10.5, 60.0], "does not reproduce"),
+        ([10.4, 60.0], "undecided"),
+    ],
+)
+def test_times_tell_only_where_their_ranges_lie_apart(seconds, word):
+    # The others: 10.470 s and more.
+    verdicts, _ = verdicts_of(as_published("ordinary"), proposed_seconds=seconds)
+    assert verdicts["Table 3: the proposed one plans in the least time"] == word
 
 
 def test_tours_with_a_gap_are_not_the_same():
@@ -158,3 +240,33 @@ def test_the_report_shows_ours_beside_the_published():
         assert published in text
     assert "Table 3" in text
     assert "published 1678 m" in summary(found)[0]
+
+
+def test_the_report_tells_how_much_was_run():
+    assert counts(PLAN) == (
+        "cruises of Case 1: 200 by each algorithm that sails by D* Lite, 20 by each of "
+        "Algorithms 1 to 3, of each other case 190 and 5"
+    )
+    assert "each other case" not in counts(PLAN | {"cases": (1,)})
+    (tables,) = (line for line in readings(PLAN) if line.startswith("Tables 3 and 6"))
+    assert "first 50 maps for the algorithms that sail by D* Lite and the first 20" in tables
+    assert "ranges of 12 cruises" in note(PLAN)
+    parts = [
+        Part("a", "A", {}, [], "", [], [], "", [], lambda into: [], counts=text, done="")
+        for text in ("7 maps", "8 runs")
+    ]
+    head = markdown(parts).split("## Summary")[0]
+    assert "How much was run here: 7 maps; 8 runs." in head
+    assert "1,000 maps of each kind" in head
+
+
+@pytest.mark.parametrize("environments", [("ordinary",), ("ordinary", "complex")])
+def test_the_report_names_the_figures_that_are_drawn(environments, monkeypatch, tmp_path):
+    monkeypatch.setattr(drawing, "maps_figure", lambda *_: None)
+    monkeypatch.setattr(drawing, "spread_figure", lambda _: None)
+    monkeypatch.setattr(drawing, "save", lambda _, path, dpi: path)
+    results = {(environment, 1): as_published(environment) for environment in environments}
+    found = {environment: {} for environment in environments}
+    drawn = {file.name for file in drawing.draw(results, found, 0, tmp_path)}
+    named = {part.removeprefix("figures/") for part in " ".join(figures(found)).split("`")[1::2]}
+    assert named == drawn

@@ -6,6 +6,7 @@ import jax
 import numpy as np
 import pytest
 
+from usvjax import swarms
 from usvjax.errors import BadInputError as BadInput
 from usvjax.errors import BadTypeError as BadType
 from usvjax.planners import AcoParams, CmpsoParams, GaParams, plan_paths, plans
@@ -50,6 +51,7 @@ def assert_refused(error: type[Exception], message: str, **changes: Any) -> None
         {"key": jax.random.PRNGKey(1)},
         {"key": jax.random.split(jax.random.key(1), 3)},
         {"algorithm": "ga", "params": GaParams(mutation=0.0)},
+        {"algorithm": "ga", "params": GaParams(smoothness_weight=0.0)},
         {"algorithm": "cmpso", "population": 8, "iterations": 1},
         {"population": 1, "params": AcoParams(alpha=0.0, rho=1.0)},
         {"starts": [2, 1], "on_blocked": "status"},
@@ -118,8 +120,19 @@ def test_population_that_the_algorithm_cannot_divide() -> None:
 @pytest.mark.parametrize(
     ("algorithm", "params", "error", "said"),
     [
-        ("aco", GaParams(), BadType, "params: got GaParams; wanted AcoParams"),
-        ("ga", {"mutation": 0.1}, BadType, "params: got dict; wanted GaParams"),
+        (
+            "aco",
+            GaParams(),
+            BadType,
+            r"params: got usvjax\.planners\.GaParams; wanted usvjax\.planners\.AcoParams",
+        ),
+        (
+            "aco",
+            swarms.AcoParams(),
+            BadType,
+            r"params: got usvjax\.swarms\.AcoParams; wanted usvjax\.planners\.AcoParams",
+        ),
+        ("ga", {"mutation": 0.1}, BadType, r"params: got dict; wanted usvjax\.planners\.GaParams"),
         ("aco", AcoParams(rho=1.5), BadInput, r"params\.rho: got 1\.5; wanted 0 to 1"),
         ("aco", AcoParams(beta=-1.0), BadInput, r"params\.beta: got -1; wanted 0 to 20"),
         ("aco", AcoParams(q=NAN), BadInput, r"params\.q: got nan; wanted a finite number"),
@@ -127,7 +140,21 @@ def test_population_that_the_algorithm_cannot_divide() -> None:
         ("ga", GaParams(crossover=80), BadInput, r"params\.crossover: got 80; wanted 0 to 1"),
         ("ga", GaParams(length_weight=-1), BadInput, r"params\.length_weight: got -1; wanted 0"),
         ("cmpso", CmpsoParams(max_speed=0), BadInput, r"params\.max_speed: got 0; wanted 1e-06"),
+        ("ga", GaParams(length_weight=1e38), BadInput, r"params\.length_weight: got 1e\+38; want"),
+        (
+            "ga",
+            GaParams(length_weight=0, smoothness_weight=0),
+            BadInput,
+            r"params\.length_weight, params\.smoothness_weight: got 0 and 0; wanted 1e-06 or m",
+        ),
+        (
+            "ga",
+            GaParams(length_weight=1e-50, smoothness_weight=0),
+            BadInput,
+            ".*: got 1e-50 and 0;",
+        ),
         ("cmpso", CmpsoParams(inertia=-0.4), BadInput, r"params\.inertia: got -0\.4; wanted 0"),
+        ("cmpso", CmpsoParams(social=1e38), BadInput, r"params\.social: got 1e\+38; wanted 0 to"),
     ],
 )
 def test_bad_params(algorithm: str, params: Any, error: type[Exception], said: str) -> None:

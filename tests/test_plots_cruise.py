@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from figure_checks import assert_inside, assert_labelled, lake, legend_texts, texts_of
 
-from usvjax.errors import BadInputError
+from usvjax.errors import BadInputError, BadTypeError
 from usvjax.plots import plot_cruise
 from usvjax.plots.cruise import TOUR_ID, TRACK_ID, duration_words
 from usvjax.plots.route import length_words
@@ -80,9 +80,11 @@ def test_a_vessel_that_stays_has_no_arrows():
         ({"stations": STATIONS * np.nan}, "stations has a number that is not finite"),
         ({"order": [0, 1, 2]}, "order is .*; each of 0 to 3"),
         ({"order": [0, 1, 2, 2]}, "order is .*; each of 0 to 3"),
+        ({"order": [1, 0, 2, 3]}, r"order is \[1, 0, 2, 3\]; home, 0, was wanted first"),
         ({"tour": [0, 1, 2, 4]}, "tour is .*; each of 0 to 3"),
         ({"visited": [True]}, r"visited has shape \(1,\)"),
         ({"track": np.full((3, 2), np.nan)}, "track"),
+        ({"track": TRACK[:, :1]}, r"track has shape \(7, 1\); \(P, 2 or more\) was wanted"),
     ],
 )
 def test_what_is_no_cruise_is_refused(change, words):
@@ -90,6 +92,11 @@ def test_what_is_no_cruise_is_refused(change, words):
     rest = {k: v for k, v in given.items() if k in ("tour", "visited")}
     with pytest.raises(BadInputError, match=words):
         plot_cruise(lake(), given["stations"], given["order"], given["track"], **rest)
+
+
+def test_a_plain_array_is_no_map():
+    with pytest.raises(BadTypeError, match=r"grid_map is of type ndarray; a usvjax\.GridMap"):
+        plot_cruise(lake().blocked, STATIONS, ORDER, TRACK)
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from experiments.yu2022.functions import report
-from experiments.yu2022.functions.compare import compare
-from experiments.yu2022.functions.figures import draw
+from experiments.yu2022.functions.compare import budgets_met, compare
+from experiments.yu2022.functions.figures import LOOKS, budgets, draw
 from experiments.yu2022.functions.published import ALGORITHMS, DIM, MEAN
 from experiments.yu2022.functions.runs import Job, Results, jobs_for, moved
 from experiments.yu2022.functions.verdicts import judge
@@ -63,7 +63,10 @@ def test_other_orders_do_not() -> None:
 
 def test_few_runs_tell_nothing() -> None:
     found = words(made_up(1.0, runs=5))
-    assert {word for claim, word in found.items() if "Fig. 2" not in claim} == {"too few maps"}
+    assert {word for claim, word in found.items() if "Fig. 2" not in claim} == {"undecided"}
+    judged = judge(compare(made_up(1.0, runs=5)))
+    numbers = {one.numbers for v in judged if "Fig. 2" not in v.claim for one in v.found.values()}
+    assert numbers == {"too few runs"}
 
 
 @pytest.mark.parametrize(("factor", "met"), [(0.99, 200), (5.0, 500), (20.0, None)])
@@ -71,6 +74,33 @@ def test_budget_at_which_the_published_mean_is_met(factor: float, met: int | Non
     tables = compare(made_up(factor))["functions"]["f1"]
     assert tables["met_by_mean"]["gwo"] == met
     assert tables["met_by_median"]["igwo"] == met
+
+
+def test_a_budget_meets_only_if_longer_ones_do() -> None:
+    tables = compare(made_up(5.0))["functions"]["f1"]
+    assert tables["met_by_mean"]["gwo"] == 500
+    tables["longer"]["gwo"]["2500"]["mean"] = 1.0
+    assert budgets_met("f1", tables)["met_by_mean"]["gwo"] == 5000
+    tables["longer"]["gwo"]["5000"]["mean"] = 1.0
+    assert budgets_met("f1", tables)["met_by_mean"]["gwo"] is None
+    assert budgets_met("f1", tables)["met_by_median"]["gwo"] == 500
+
+
+def test_zeros_are_drawn_on_a_line_of_their_own() -> None:
+    found = compare(made_up(1e10))["functions"]
+    found["f3"]["longer"]["gwo"]["2500"]["mean"] = 0.0
+    axes = {ax.get_title()[:2]: ax for ax in budgets(found).axes}
+    lines = [line for line in axes["f3"].get_lines() if len(line.get_xdata()) > 2]
+    gwo = lines[list(LOOKS).index("gwo")]
+    assert list(gwo.get_xdata()) == [200, 500, 1000, 1250, 2500, 5000]
+    floor = np.asarray(gwo.get_ydata())[4]
+    positive = [MEAN["f3"][name] for name in ALGORITHMS if MEAN["f3"][name] > 0]
+    assert 0 < floor < min(positive) / 10
+    labels = [text.get_text() for text in axes["f3"].get_yticklabels()]
+    assert dict(zip(axes["f3"].get_yticks(), labels, strict=True))[floor] == "0"
+    # IGWO's published 0 stands there too.
+    assert any(list(line.get_ydata()) == [floor] for line in axes["f3"].get_lines())
+    assert "0" not in [text.get_text() for text in axes["f1"].get_yticklabels()]
 
 
 def test_report_and_figures(tmp_path: Path) -> None:

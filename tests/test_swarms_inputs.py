@@ -7,9 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from usvjax import tours
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.swarms import minimising as module
 from usvjax.swarms.minimising import minimise
+from usvkernels.dwa import DwaParams
 from usvkernels.swarms.aco import AcoParams, AcoStatic
 from usvkernels.swarms.cmpso import CmpsoParams, CmpsoStatic
 from usvkernels.swarms.functions import sphere
@@ -58,6 +60,11 @@ def call(**changes: Any) -> None:
             "runs: 1000000000000 of 200 iterations .* needs .* of mem",
         ),
         ({"population": 10**11}, BadInputError, "runs: 30 of .* with 100000000000 members"),
+        (
+            {"algorithm": "aco", "static": AcoStatic(archive=10**11)},
+            BadInputError,
+            "runs: 30 of 100 .* 200 members and an archive of 100000000000 in 3 dimensions needs",
+        ),
         ({"key": -1}, BadInputError, "key: got -1; wanted a seed"),
         ({"key": "one"}, BadTypeError, "key: got 'one'; wanted an integer seed or a JAX key"),
         (
@@ -133,27 +140,58 @@ def test_function(fn: Any, error: type[Exception], message: str) -> None:
 @pytest.mark.parametrize(
     ("algorithm", "params", "error", "message"),
     [
-        ("igwo", AcoParams(), BadTypeError, r"params: got AcoParams; .* 'igwo' takes GwoParams"),
-        ("gwo", {"mu1": 1}, BadTypeError, "params: got dict; algorithm 'gwo' takes GwoParams"),
+        (
+            "igwo",
+            AcoParams(),
+            BadTypeError,
+            r"params: got usvjax\.swarms\.AcoParams; .* 'igwo' takes usvjax\.swarms\.GwoParams",
+        ),
+        (
+            "aco",
+            tours.AcoParams(),
+            BadTypeError,
+            r"params: got usvjax\.tours\.AcoParams; .* 'aco' takes usvjax\.swarms\.AcoParams",
+        ),
+        ("gwo", {"mu1": 1}, BadTypeError, r"params: got dict; .* takes usvjax\.swarms\.GwoParams"),
+        ("gwo", DwaParams(), BadTypeError, "params: got DwaParams; algorithm 'gwo' takes"),
         ("gwo", GwoParams(mu1=NAN), BadInputError, r"params\.mu1: got nan; wanted a finite"),
-        ("gwo", GwoParams(mu2=0), BadInputError, r"params\.mu2: got 0; wanted a number above 0"),
+        ("gwo", GwoParams(mu2=0), BadInputError, r"params\.mu2: got 0; wanted a number from"),
         ("gwo", GwoParams(lambda1=-1), BadInputError, r"params\.lambda1: got -1; wanted a number"),
         ("gwo", GwoParams(mu1="a"), BadTypeError, r"params\.mu1: got 'a'; wanted a number"),
         (
             "gwo",
+            GwoParams(mu1=[1, [2]]),
+            BadInputError,
+            r"params\.mu1: rows of unequal length; wanted a number or float\[30\]",
+        ),
+        ("gwo", GwoParams(mu1=1e38), BadInputError, r"params\.mu1: got 1e\+38; wanted a number fr"),
+        ("gwo", GwoParams(lambda1=1e300), BadInputError, r"params\.lambda1: got 1e\+300; wanted"),
+        ("aco", AcoParams(locality=1e-40), BadInputError, r"params\.locality: got 1e-40; wanted a"),
+        (
+            "gwo",
             GwoParams(lambda2=np.zeros(4)),
             BadInputError,
-            r"params\.lambda2: got shape \(4,\); wanted a number, or one for each of 30 runs",
+            r"params\.lambda2: got shape \(4,\); wanted a number or one for each of 30 runs",
         ),
         ("aco", AcoParams(locality=0), BadInputError, r"params\.locality: got 0; wanted a number"),
-        ("ga", GaParams(mutation=1.5), BadInputError, r"params\.mutation: got 1\.5; .* in \[0, 1"),
-        ("ga", GaParams(blend=-0.1), BadInputError, r"params\.blend: got -0\.1; wanted 0 or more"),
+        (
+            "ga",
+            GaParams(mutation=1.5),
+            BadInputError,
+            r"params\.mutation: got 1\.5; .* from 0 to 1$",
+        ),
+        (
+            "ga",
+            GaParams(blend=-0.1),
+            BadInputError,
+            r"params\.blend: got -0\.1; wanted a number from",
+        ),
         ("cmpso", CmpsoParams(max_speed=0), BadInputError, r"params\.max_speed: got 0; wanted"),
         (
             "ga",
             GaParams(crossing=np.linspace(0, 1.2, 30)),
             BadInputError,
-            r"params\.crossing: got 1\.0\d*; wanted a number in \[0, 1\]",
+            r"params\.crossing: got 1\.0\d*; wanted a number from 0 to 1",
         ),
     ],
 )
@@ -165,7 +203,12 @@ def test_params(algorithm: str, params: Any, error: type[Exception], message: st
 @pytest.mark.parametrize(
     ("algorithm", "static", "error", "message"),
     [
-        ("gwo", AcoStatic(), BadTypeError, "static: got AcoStatic; .* 'gwo' takes GwoStatic"),
+        (
+            "gwo",
+            AcoStatic(),
+            BadTypeError,
+            r"static: got usvjax\.swarms\.AcoStatic; .* 'gwo' takes",
+        ),
         ("gwo", GwoStatic(law="betta"), BadInputError, r"static\.law: .* did you mean 'beta'\?"),
         ("gwo", GwoStatic(leaders="best"), BadInputError, r"static\.leaders: got 'best'; "),
         ("gwo", GwoStatic(greedy=1), BadTypeError, r"static\.greedy: got 1; wanted True or False"),
@@ -173,6 +216,12 @@ def test_params(algorithm: str, params: Any, error: type[Exception], message: st
         ("aco", AcoStatic(1), BadInputError, r"static\.archive: got 1; wanted 2 or more"),
         ("cmpso", CmpsoStatic(swarms=0), BadInputError, r"static\.swarms: got 0; wanted 1"),
         ("cmpso", CmpsoStatic(exchange=0), BadInputError, r"static\.exchange: got 0; wanted 1"),
+        (
+            "cmpso",
+            CmpsoStatic(exchange=2**40),
+            BadInputError,
+            r"static\.exchange: got 1099511627776;",
+        ),
         ("ga", GaStatic(elitism="no"), BadTypeError, r"static\.elitism: got 'no'; wanted True"),
     ],
 )

@@ -1,5 +1,6 @@
 """What every swarm must do: stay inside, never worsen, say what it found, and repeat itself."""
 
+import itertools
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +15,7 @@ from usvjax.swarms import minimising as module
 from usvjax.swarms.algorithms import ALGORITHMS
 from usvjax.swarms.minimising import MinimiseResult, minimise
 from usvjax.swarms.objective import checked_objective
+from usvjax.swarms.ranges import RANGES
 from usvkernels.swarms import aco, cmpso, ga, gwo
 from usvkernels.swarms.functions import TABLE_8, shifted, sphere
 from usvkernels.swarms.laws import GwoParams
@@ -119,6 +121,17 @@ def test_a_parameter_of_each_run() -> None:
         one = small("igwo", params=GwoParams(mu1=float(values[run])))
         np.testing.assert_allclose(swept.history[run], one.history[run], rtol=2e-4)
     assert abs(swept.best[2] / small("igwo").best[2] - 1) > 1e-3
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_no_parameter_in_range_makes_nan(algorithm: str) -> None:
+    """All corners of the ranges at once, one for each run."""
+    kind = type(ALGORITHMS[algorithm].params)
+    corners = np.array(list(itertools.product(*RANGES[kind].values())))
+    params = kind(**dict(zip(RANGES[kind], corners.T, strict=True)))
+    found = small(algorithm, fn=sphere, runs=len(corners), params=params)
+    assert not found.nans.any()
+    assert np.isfinite(found.best).all()
 
 
 def test_function_without_a_hash() -> None:

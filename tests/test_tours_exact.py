@@ -75,6 +75,9 @@ def test_missing_legs(algorithm: str) -> None:
     assert nowhere.length.tolist() == [np.inf]
     assert (nowhere.history == np.inf).all()
     assert nowhere.status.tolist() == [Status.UNREACHABLE]
+    some = optimal_tour(distances=broken)
+    assert sorted(some[0]) == list(range(count))
+    assert tour_length(some, distances=broken).tolist() == [np.inf]
     # Every station is reached from every other, yet no tour passes each of them once.
     star = np.full((count, count), np.inf)
     star[0, :] = star[:, 0] = 1.0

@@ -1,12 +1,19 @@
 """What solve_tour, tour_length and optimal_tour refuse, and how they say it."""
 
+import itertools
 from typing import Any
 
 import numpy as np
 import pytest
 
+from usvjax import swarms, tours
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.search import inputs
+from usvjax.swarms.ranges import RANGES
 from usvjax.tours import optimal_tour, solve_tour, tour_length
+from usvjax.tours.algorithms import ALGORITHMS
+from usvkernels.swarms.cmpso import CmpsoStatic
+from usvkernels.swarms.gwo import GwoStatic
 from usvkernels.tours.ga import GaParams
 from usvkernels.tours.ils import IlsParams
 
@@ -86,7 +93,20 @@ def test_bad_distances(table: np.ndarray, message: str) -> None:
             "population: got 5; algorithm 'ils'",
         ),
         ({"iterations": 5}, BadInputError, "iterations: got 5; exact tours"),
-        ({"algorithm": "ga", "params": IlsParams()}, BadTypeError, "params: got IlsParams; .* GaP"),
+        ({"static": GwoStatic()}, BadInputError, "static: got GwoStatic.*; exact tours"),
+        ({"first": -1}, BadInputError, "first: got -1; wanted 0 or more"),
+        ({"first": 1.0}, BadTypeError, "first: got 1.0; wanted a whole number"),
+        (
+            {"algorithm": "gwo", "first": 2**31 - 1, "runs": 2},
+            BadInputError,
+            r"first \+ runs: got 2147483647 \+ 2; wanted at most 2\*\*31",
+        ),
+        ({"first": 2**31}, BadInputError, r"first \+ runs: got 2147483648 \+ 1; wanted"),
+        (
+            {"algorithm": "ga", "params": IlsParams()},
+            BadTypeError,
+            "params: got .*IlsParams; .*GaP",
+        ),
         ({"algorithm": "ga", "params": GaParams(mutation=1.5)}, BadInputError, "params.mutation: "),
         ({"algorithm": "ga", "params": GaParams(mutation=NAN)}, BadInputError, "params.mutation: "),
         (
@@ -100,6 +120,63 @@ def test_bad_distances(table: np.ndarray, message: str) -> None:
 )
 def test_bad_options(options: dict[str, Any], error: type[Exception], message: str) -> None:
     refuse(error, f"^{message}", POINTS, **options)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "static", "error", "message"),
+    [
+        ("ils", GwoStatic(), BadInputError, "static: got GwoStatic.*; algorithm 'ils' has no ch"),
+        ("aco", CmpsoStatic(), BadInputError, "static: got CmpsoStatic.*; algorithm 'aco' has no"),
+        ("gwo", CmpsoStatic(), BadTypeError, "static: got .*CmpsoStatic; .* 'gwo' takes .*GwoSt"),
+        ("gwo_swap", "linear", BadTypeError, "static: got .*; algorithm 'gwo_swap' takes .*GwoSt"),
+        ("gwo", GwoStatic("cosin"), BadInputError, "static.law: got 'cosin'; .* 'cosine'"),
+        ("igwo", GwoStatic("cosin"), BadInputError, "static.law: got 'cosin'; .* 'cosine'"),
+        ("gwo", GwoStatic(leaders="packs"), BadInputError, "static.leaders: got 'packs'; .* 'pack"),
+        ("gwo_swap", GwoStatic(greedy=1), BadTypeError, "static.greedy: got 1; wanted True or"),  # type: ignore[arg-type]
+        ("igwo", GwoStatic(), BadInputError, "static.law: got 'linear'; 'igwo' is 'gwo' with"),
+        (
+            "igwo_swap",
+            GwoStatic("cosine"),
+            BadInputError,
+            "static.law: got 'cosine'; 'igwo_swap' is 'gwo_swap' .* algorithm='gwo_swap' for",
+        ),
+        ("cmpso", CmpsoStatic(swarms=0), BadInputError, "static.swarms: got 0; wanted 1 or more"),
+        ("cmpso", CmpsoStatic(exchange=0), BadInputError, "static.exchange: got 0; wanted 1"),
+        ("cmpso", CmpsoStatic(swarms=3), BadInputError, "population: got 20; wanted a multiple"),
+    ],
+)
+def test_bad_choices(algorithm: str, static: Any, error: type[Exception], message: str) -> None:
+    refuse(error, f"^{message}", POINTS, algorithm=algorithm, static=static)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"runs": 10**9}, "runs: 1000000000 of 1 iterations on 4 stations needs"),
+        ({"algorithm": "ils", "runs": 10**9}, "runs: 1000000000 of 100 iterations on 4 stations"),
+        (
+            {"algorithm": "gwo", "iterations": 10**9},
+            "runs: 1 of 1000000000 iterations with 20 memb",
+        ),
+        (
+            {"algorithm": "aco", "population": 10**8},
+            "runs: 1 of 100 iterations with 100000000 members on 4 stations needs .* memory",
+        ),
+    ],
+)
+def test_more_than_memory_holds(
+    options: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(inputs, "free_memory", lambda: 2**34)
+    refuse(BadInputError, f"^{message}", POINTS, **options)
+
+
+def test_more_problems_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(inputs, "free_memory", lambda: 2**34)
+    many = np.broadcast_to(POINTS, (10**8, 4, 2))
+    refuse(BadInputError, "^points: 100000000 problems of 4 stations needs", many)
+    tables = np.broadcast_to(TABLE, (10**8, 4, 4))
+    refuse(BadInputError, "^distances: 100000000 problems of 4 stations", distances=tables)
 
 
 def test_other_mistakes() -> None:
@@ -132,3 +209,56 @@ def test_as_many_orders_as_problems() -> None:
     problems = np.stack([POINTS, POINTS + 1])
     with pytest.raises(BadInputError, match=r"^order: got 3 tours for 2 problems of points"):
         tour_length([[0, 1, 2, 3]] * 3, problems)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "params", "error", "message"),
+    [
+        (
+            "aco",
+            swarms.AcoParams(),
+            BadTypeError,
+            r"params: got usvjax\.swarms\.AcoParams; .* 'aco' takes usvjax\.tours\.AcoParams",
+        ),
+        (
+            "igwo",
+            tours.GwoParams(mu1=1e37),
+            BadInputError,
+            r"params\.mu1: got 1e\+37; wanted a num",
+        ),
+        ("igwo", tours.GwoParams(lambda2=3e38), BadInputError, r"params\.lambda2: got 3e\+38; wan"),
+        (
+            "igwo_swap",
+            tours.GwoParams(mu1=[1, [2]]),
+            BadInputError,
+            r"params\.mu1: rows of unequal length; wanted a number or float\[1\]",
+        ),
+        (
+            "aco",
+            tours.AcoParams(evaporation=2),
+            BadInputError,
+            r"params\.evaporation: got 2; wanted",
+        ),
+        (
+            "cmpso",
+            tours.CmpsoParams(social=1e38),
+            BadInputError,
+            r"params\.social: got 1e\+38; wan",
+        ),
+        ("ils", tours.IlsParams(patience=1e10), BadInputError, r"params\.patience: got 1000000"),
+    ],
+)
+def test_bad_params(algorithm: str, params: Any, error: type[Exception], message: str) -> None:
+    refuse(error, f"^{message}", POINTS, algorithm=algorithm, params=params)
+
+
+@pytest.mark.parametrize("algorithm", ["igwo", "igwo_swap", "aco", "cmpso"])
+def test_no_parameter_in_range_spoils_a_tour(algorithm: str) -> None:
+    """All corners of the ranges at once, one for each run."""
+    kind = type(ALGORITHMS[algorithm].params)
+    corners = np.array(list(itertools.product(*RANGES[kind].values())))
+    params = kind(**dict(zip(RANGES[kind], corners.T, strict=True)))
+    options: dict[str, Any] = {"iterations": 10, "population": 4}
+    found = solve_tour(POINTS, algorithm=algorithm, params=params, runs=len(corners), **options)
+    np.testing.assert_array_equal(np.sort(found.order), np.arange(4)[None].repeat(len(corners), 0))
+    assert np.isfinite(found.history).all()

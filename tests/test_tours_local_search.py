@@ -6,11 +6,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from tour_cases import TSPLIB, neighbours, plain_length, straight, tsplib
+from tour_cases import TSPLIB, neighbours, plain_length, rounded, straight, tsplib
 
 from experiments.yu2022.cases import COMPLEX, ORDINARY
 from usvjax.tours import optimal_tour, solve_tour, tour_length
 from usvkernels.tours import local_search, moves
+from usvkernels.tours.ils import IlsParams
 
 RUNS = 16
 COUNT = 11
@@ -71,6 +72,32 @@ def test_descent_stops_at_its_bound() -> None:
     options = {"symmetric": False, "kinds": "both"}
     _, made = search(jnp.asarray(distances, jnp.float32), before, most=2, **options)
     assert (np.asarray(made) == 2).all()
+
+
+# fmt: off
+EIL51 = np.array([
+    (37, 52), (49, 49), (52, 64), (20, 26), (40, 30), (21, 47), (17, 63), (31, 62), (52, 33), (51,
+    21), (42, 41), (31, 32), (5, 25), (12, 42), (36, 16), (52, 41), (27, 23), (17, 33), (13, 13),
+    (57, 58), (62, 42), (42, 57), (16, 57), (8, 52), (7, 38), (27, 68), (30, 48), (43, 67), (58,
+    48), (58, 27), (37, 69), (38, 46), (46, 10), (61, 33), (62, 63), (63, 69), (32, 22), (45, 35),
+    (59, 15), (5, 6), (10, 17), (21, 10), (5, 64), (30, 15), (39, 10), (32, 39), (25, 32), (25,
+    55), (48, 28), (56, 37), (30, 40),
+], float)
+# fmt: on
+"""Stations of TSPLIB's eil51, Christofides and Eilon 1969; the shortest tour is 426 long."""
+
+
+def test_kicks_beyond_24_stations() -> None:
+    if TSPLIB.exists():
+        np.testing.assert_array_equal(rounded(EIL51), tsplib("eil51"))
+    options = {"distances": rounded(EIL51), "key": 7, "algorithm": "ils", "runs": 16}
+    found = solve_tour(**options)
+    assert found.length.min() >= 426
+    assert found.length.mean() < 1.02 * 426
+    # Starting anew without kicks is as good as a kicked descent only later.
+    anew = solve_tour(params=IlsParams(patience=0), **options)
+    sooner = found.history[:, 300].mean() - 426, anew.history[:, 300].mean() - 426
+    assert sooner[0] < 0.8 * sooner[1]
 
 
 def lin_kernighan(points: np.ndarray) -> float:

@@ -47,4 +47,9 @@ def tsplib(name: str) -> np.ndarray:
     first = next(i for i, line in enumerate(lines) if line.startswith("NODE_COORD_SECTION")) + 1
     rows = [line.split() for line in lines[first:]]
     points = np.array([[float(x) for x in row[1:]] for row in rows if len(row) == 3])
+    return rounded(points)
+
+
+def rounded(points: np.ndarray) -> np.ndarray:
+    """Distances as TSPLIB's EUC_2D says, nearest whole numbers."""
     return np.floor(straight(points) + 0.5)

@@ -163,7 +163,21 @@ def default_or(name: str, given: Any, default: T, algorithm: str) -> T:
         return default
     if type(given) is not type(default):
         raise BadTypeError(
-            f"{name}: got {type(given).__name__}; algorithm {algorithm!r} takes "
-            f"{type(default).__name__}"
+            f"{name}: got {public_name(type(given))}; algorithm {algorithm!r} takes "
+            f"{public_name(type(default))}"
         )
     return given
+
+
+_SHARING_NAMES = ("planners", "swarms", "tours")
+
+
+def public_name(kind: type) -> str:
+    """A class as a user imports it, such as `usvjax.tours.AcoParams`.
+
+    Packages in which classes have the same names are named; of other classes, only the name is.
+    """
+    package, *parts = kind.__module__.split(".")
+    if package == "usvkernels" and parts and parts[0] in _SHARING_NAMES:
+        return f"usvjax.{parts[0]}.{kind.__name__}"
+    return kind.__name__

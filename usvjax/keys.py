@@ -5,6 +5,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.checks import whole_number
 from usvjax.errors import BadInputError, BadTypeError
 
 _THREEFRY = "threefry2x32"
@@ -41,3 +42,16 @@ def _checked_key(key: jax.Array) -> jax.Array:
         # A batch of keys of the other kinds does not draw each key's own stream.
         raise BadInputError(f"key: got a {kind!r} key; wanted {_THREEFRY!r}, the JAX default")
     return key
+
+
+def first_run(first: Any, count: int) -> int:
+    """Number of the first of `count` runs, each of which has a part of the key.
+
+    Raises:
+        BadTypeError: not a whole number.
+        BadInputError: below 0, or so high that a run's number exceeds 31 bits.
+    """
+    first = whole_number("first", first, 0)
+    if first + count > 2**31:
+        raise BadInputError(f"first + runs: got {first} + {count}; wanted at most 2**31")
+    return first

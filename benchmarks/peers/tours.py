@@ -1,6 +1,7 @@
 """What users order stations with today: scikit-opt, python-tsp and LKH by elkai.
 
-Each takes distances float[n, d, d] and returns the lengths of the tours that it found.
+Each takes distances float[n, d, d] and returns the lengths of the tours that it found. python-tsp
+is no dependency of anything here: install it by hand to compare with it.
 """
 
 import contextlib
@@ -8,6 +9,7 @@ import io
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -81,12 +83,16 @@ def lin_kernighan(tables: np.ndarray) -> list[float]:
 
 SOLVERS: dict[str, Solver] = {
     "LKH (elkai, C)": lin_kernighan,
-    "python-tsp, 2-opt": python_tsp_two_opt,
-    "python-tsp, annealing": python_tsp_annealing,
     "scikit-opt, GA_TSP": _of_scikit_opt("ga", 200),
     "scikit-opt, ACA_TSP": _of_scikit_opt("aca", 20, size_pop=20),
 }
 """scikit-opt's ants with the tenth part of its example's iterations: they take minutes else."""
+if find_spec("python_tsp"):
+    SOLVERS = {
+        "python-tsp, 2-opt": python_tsp_two_opt,
+        "python-tsp, annealing": python_tsp_annealing,
+        **SOLVERS,
+    }
 
 
 class Crew:

@@ -17,11 +17,10 @@ import tyro
 
 import usvjax as uj
 from experiments.program import begin, conclude
-from experiments.yu2022.cruises.published import RUNS
 from experiments.yu2022.cruises.run import run as run_cruises
 from experiments.yu2022.functions.run import run as run_functions
 from experiments.yu2022.heuristic.run import run as run_heuristic
-from experiments.yu2022.parts import Part, markdown
+from experiments.yu2022.parts import MANY_RUNS, MAPS, SWARM_RUNS, Part, markdown
 from usvjax.errors import BadInputError
 
 SEED = 2022
@@ -94,9 +93,9 @@ def _plan(options: Options) -> list[Callable[[], Part]]:
             option = name.replace("_", "-")
             raise BadInputError(f"--{option}: got {value}; wanted at least 1 {what}")
     quick = options.quick
-    maps = options.maps or (100 if quick else 1000)
-    runs = options.runs or (24 if quick else 1000)
-    swarm_runs = options.swarm_runs or (2 if quick else RUNS)
+    maps = options.maps or (100 if quick else MAPS)
+    runs = options.runs or (24 if quick else MANY_RUNS)
+    swarm_runs = options.swarm_runs or (2 if quick else SWARM_RUNS)
     return [
         partial(run_heuristic, maps, SEED, quick),
         partial(run_cruises, runs, swarm_runs, SEED, quick),

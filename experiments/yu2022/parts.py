@@ -6,9 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from experiments.markdown import bullets
-from experiments.verdicts import Verdict, verdict_table
+from experiments.verdicts import UNKNOWN, Finding, Verdict, verdict_table, weigh
+from experiments.yu2022.cruises.published import RUNS
 
-WORDS = ("reproduces", "depends on the reading", "does not reproduce", "too few maps")
+MAPS, MANY_RUNS, SWARM_RUNS = 1000, 1000, RUNS
+"""By default: maps of each kind, cruises of Case 1 and runs on each function, and those cruises
+that Algorithms 1 to 3 make."""
+UNDECIDED = "undecided"
+"""Verdict where no finding holds or fails; the findings say why."""
+WORDS = ("reproduces", "depends on the reading", "does not reproduce", UNDECIDED, UNKNOWN)
 
 
 @dataclass(frozen=True)
@@ -26,6 +32,7 @@ class Part:
         text: its tables.
         figures: what its figures show, sentences.
         draw: draws into a folder and returns the files.
+        counts: how many maps and runs there are of each, for the head.
         done: how much was run.
     """
 
@@ -39,7 +46,14 @@ class Part:
     text: str
     figures: Sequence[str]
     draw: Callable[[Path], list[Path]]
+    counts: str
     done: str
+
+
+def verdict(claim: str, published: str, found: dict[str, Finding]) -> Verdict:
+    """Give the verdict on a claim, where every reading counts."""
+    word = weigh(list(found.values()))
+    return Verdict(claim, published, found, UNDECIDED if word == UNKNOWN else word)
 
 
 def markdown(parts: Sequence[Part]) -> str:
@@ -48,6 +62,10 @@ def markdown(parts: Sequence[Part]) -> str:
         "# Yu et al. 2022: a cruise to many targets",
         "Tables and figures of the paper on maps of ours, and on many more. Written by `usvjax "
         "reproduce yu2022`; all numbers are in `results.json`.",
+        "How much was run here: "
+        + "; ".join(part.counts for part in parts)
+        + f". By default: {MAPS:,} maps of each kind, {MANY_RUNS:,} cruises of Case 1 and runs on "
+        f"each function, {SWARM_RUNS} cruises of Case 1 by Algorithms 1 to 3.",
         "## Summary\n\n" + bullets(_summary(parts)),
     ]
     return "\n\n".join([*head, *map(_section, parts)]) + "\n"

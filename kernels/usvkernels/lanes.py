@@ -20,6 +20,9 @@ Tree = Any
 LEAST_LANES = 16
 """Lanes that just fill the processor's vectors; the last jobs run in blocks of so many."""
 
+NARROW_BELOW = 0.6
+"""Share of lanes at work below which blocks cost less: a lane's step is dearer in a block."""
+
 
 @dataclass(frozen=True)
 class Program:
@@ -80,9 +83,9 @@ def run(
       chunk: steps between two refills, static.
       max_steps: steps after which any job is done, static; bounds the loop.
       refill: False gives out new jobs only when all lanes have finished (for comparison).
-      narrow: when the queue is empty, gather the jobs under way in small blocks of lanes; lengths
-        are heavy-tailed, and the last jobs would otherwise pay for all lanes. Compiles the step
-        a second time, for that width.
+      narrow: when the queue is empty and many lanes idle, gather the jobs under way in small blocks
+        of lanes; lengths are heavy-tailed, and the last jobs would otherwise pay for all lanes.
+        Compiles the step a second time, for that width.
 
     Returns:
       The results, leaves [capacity, ...] with rows from n_jobs on zero, and the lanes' usage.
@@ -115,14 +118,14 @@ def _work(
     refill: bool,
     to_the_end: bool,
 ) -> _Queue:
-    """Work in all lanes until the queue is empty and one of them idle, or to the very end."""
+    """Work in all lanes until the queue is empty and many of them idle, or to the very end."""
     lanes = queue.job.shape[0]
     # Reached only if `done` never comes true: some job ends within the chunks of the longest.
     bound = -(-max_steps // chunk) + 1
 
     def unfinished(queue: _Queue) -> Array:
         busy = queue.job < n_jobs
-        wanted = jnp.any(busy) if to_the_end else jnp.all(busy)
+        wanted = jnp.any(busy) if to_the_end else jnp.sum(busy) >= NARROW_BELOW * lanes
         return wanted & (queue.waited < bound)
 
     def turn(queue: _Queue) -> _Queue:

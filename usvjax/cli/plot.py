@@ -22,9 +22,11 @@ def plot(
 ) -> None:
     """Draw the figures of a run, finished or still under way, into RUN/figures.
 
-    success: how episodes ended, with intervals. distributions: time and path length where all
-    methods reached. paths: one episode, chosen by a rule, under all methods. chart: many
-    episodes on a real map, coloured by how they ended.
+    Of kind dwa: success, how episodes ended, with intervals; distributions, time and path length
+    where all methods reached; paths, one episode, chosen by a rule, under all methods; chart,
+    many episodes on a real map, coloured by how they ended. Of kind route: methods, how they
+    compare; routes, one query under all; curvature along it; chart. Of kind cruise: methods;
+    cruise, the one of median length on its chart, and its itinerary stop by stop (.csv).
 
     Example: usvjax plot runs/tan2022 --format png pdf
 
@@ -32,7 +34,7 @@ def plot(
         run: Directory that `usvjax study` wrote.
         formats: File formats: png (200 dpi), pdf or svg.
         max_examples: Conditions, from the first, of which episodes are simulated again for
-            paths and charts; 0 for none.
+            paths, charts, routes and cruises; 0 for none.
         max_paths: Trajectories on a chart.
         folder: What a map file named by the study is relative to, if it uses one of your own.
         as_json: Print the files written as JSON, for scripts.

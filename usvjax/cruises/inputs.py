@@ -1,6 +1,6 @@
 """Checks of what a cruise takes, before anything is computed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -9,7 +9,7 @@ import numpy as np
 from usvjax.checks import fraction, one_of, positive, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
-from usvjax.search.inputs import search_maps
+from usvjax.search.inputs import check_memory, search_maps
 from usvjax.search.replan_inputs import check_method, clipped_window
 from usvkernels.cruise.flips import BITS
 from usvkernels.cruise.sailing import SCOPES
@@ -21,6 +21,10 @@ WALLED_IN = ("wait", "skip", "fail")
 CELL_SIZE = 10.0  # m; Yu et al. 2022, section 5.1, and so the speed
 SPEED = 10.0  # m/s
 STEPS_PER_SIDE = 8  # of a leg at most, times height plus width of the map
+MOST_STEPS = 2**29  # of a cruise; its moves are counted in int32
+
+# Of results: a track of one step with its measures, and a leg with its place in the order.
+_BYTES_OF_CRUISE, _BYTES_OF_LEG = 128, 24
 
 _STATIONS = "int [B, d, 2] or [d, 2], cells (x, y), d >= 2, row 0 is home"
 _ORDER = "int [B, d] or [d], each of 0 .. d - 1 once, beginning with 0"
@@ -40,6 +44,7 @@ class Mission:
       max_wait: steps in a row that a vessel waits for a way to its stop.
       gives_up: whether a stop without a way ends the cruise.
       max_steps: of a leg.
+      own_steps: whether max_steps was given; the default gives way to what a method can count.
       cell_size: m.
       speed: m/s.
     """
@@ -53,6 +58,7 @@ class Mission:
     max_wait: int
     gives_up: bool
     max_steps: int
+    own_steps: bool
     cell_size: float
     speed: float
 
@@ -72,6 +78,16 @@ class Mission:
     def layers(self, rows: np.ndarray) -> np.ndarray:
         """int[len(rows)], which map each of these cruises is on."""
         return np.zeros_like(rows) if len(self.blocked) == 1 else rows
+
+    def part(self, rows: np.ndarray) -> "Mission":
+        """Those of the cruises, int[n]."""
+        shared = len(self.blocked) == 1
+        return replace(
+            self,
+            blocked=self.blocked if shared else self.blocked[rows],
+            stations=self.stations[rows],
+            rate=self.rate[rows],
+        )
 
 
 def check_mission(
@@ -104,29 +120,36 @@ def check_mission(
     grids = search_maps(blocked)
     places = _stations(stations)
     count = _count(len(grids), len(places), runs)
-    places = np.broadcast_to(places, (count, *places.shape[1:])).astype(np.int32)
-    _check_places(grids, places)
-    height, width = grids.shape[1:]
-    if max_steps is None:
-        max_steps = STEPS_PER_SIDE * (height + width)
+    places = _checked_places(grids, places)
+    legs = places.shape[1]
+    # However short the cruises are, and however few of them are under way at a time.
+    check_memory(
+        count * (_BYTES_OF_CRUISE + legs * _BYTES_OF_LEG),
+        f"{'stations' if runs is None else 'runs'}: {count} cruises of {legs} stations",
+    )
     max_wait = whole_number("max_wait", max_wait, 0)
+    height, width = grids.shape[1:]
     return Mission(
         blocked=grids,
-        stations=places,
+        stations=np.broadcast_to(places, (count, legs, 2)),
         rate=_rates(flip_rate, count),
         scope=flip_scope,
         window=clipped_window(window, (height, width)),
         corner_cutting=bool(corner_cutting),
         max_wait=min(max_wait, 2**30) if walled_in == "wait" else 0,
         gives_up=walled_in == "fail",
-        max_steps=whole_number("max_steps", max_steps, 1),
+        max_steps=_max_steps(max_steps, STEPS_PER_SIDE * (height + width), legs),
+        own_steps=max_steps is not None,
         cell_size=_cell_size(blocked, cell_size),
         speed=positive("speed", speed),
     )
 
 
-def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> None:
+def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> Mission:
     """Refuse a heuristic that does not exist, or for which keys would not fit their integers.
+
+    Returns:
+      The cruises, with as many steps of a leg as the keys allow where the default is more.
 
     Raises:
       BadTypeError, BadInputError: as `dstar_lite`.
@@ -140,11 +163,20 @@ def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> None:
             f"{LONGEST_EQ_17} cells with heuristic={heuristic!r}"
         )
     left = NONE - INFINITE - largest_guide(heuristic, weight, height, width) - 4 * DIAGONAL
-    if mission.max_steps * DIAGONAL > left:
+    most = max(left // DIAGONAL, 0)
+    # With fewer steps than these, a default would leave vessels adrift in open water.
+    if most < (1 if mission.own_steps else height + width):
+        raise BadInputError(
+            f"blocked: got maps of {width} x {height} cells, on which a leg can have at most "
+            f"{most} steps with heuristic={heuristic!r}; wanted smaller maps"
+            + (f", or max_steps up to {most}" if most else "")
+        )
+    if mission.own_steps and mission.max_steps > most:
         raise BadInputError(
             f"max_steps: got {mission.max_steps} on maps of {width} x {height} cells; wanted at "
-            f"most {max(left // DIAGONAL, 0)} with heuristic={heuristic!r}"
+            f"most {most} with heuristic={heuristic!r}"
         )
+    return replace(mission, max_steps=min(mission.max_steps, most))
 
 
 def check_order(order: Any, mission: Mission) -> np.ndarray:
@@ -202,12 +234,25 @@ def _count(maps: int, stations: int, runs: Any) -> int:
     return count
 
 
-def _check_places(grids: np.ndarray, places: np.ndarray) -> None:
-    """Refuse stations outside the map, on land, or twice in a cruise."""
+def _max_steps(given: Any, default: int, legs: int) -> int:
+    most = MOST_STEPS // legs
+    if given is None:
+        return min(default, most)
+    given = whole_number("max_steps", given, 1)
+    if given > most:
+        raise BadInputError(
+            f"max_steps: got {given} for cruises of {legs} stations; wanted at most {most}"
+        )
+    return given
+
+
+def _checked_places(grids: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Stations as int32; refuses those outside the map, on land, or twice in a cruise."""
     height, width = grids.shape[1:]
     outside = np.any((places < 0) | (places >= [width, height]), axis=-1)
     _refuse(places, outside, f"lies outside the map; wanted 0 <= x < {width}, 0 <= y < {height}")
-    layer = np.zeros(len(places), int) if len(grids) == 1 else np.arange(len(places))
+    places = places.astype(np.int32)
+    layer = np.arange(len(grids))
     on_land = grids[layer[:, None], places[..., 1], places[..., 0]]
     _refuse(places, on_land, "is a blocked cell; wanted a free one")
     number = places[..., 1].astype(np.int64) * width + places[..., 0]
@@ -216,12 +261,13 @@ def _check_places(grids: np.ndarray, places: np.ndarray) -> None:
     twice = np.zeros(number.shape, bool)
     np.put_along_axis(twice, order[:, 1:], ordered[:, 1:] == ordered[:, :-1], axis=1)
     _refuse(places, twice, "is there already; wanted distinct cells")
+    return places
 
 
 def _refuse(places: np.ndarray, bad: Any, why: str) -> None:
     if bad.any():
         row, station = (int(i) for i in np.argwhere(bad)[0])
-        x, y = places[row, station].tolist()
+        x, y = places[row if len(places) > 1 else 0, station].tolist()
         raise BadInputError(f"stations: ({x}, {y}), station {station} in row {row}, {why}")
 
 

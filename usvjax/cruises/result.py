@@ -20,15 +20,16 @@ class CruiseResult:
     Attributes:
       status: int32[B], `Status`: REACHED (all stations visited, and home again), PARTIAL (home
         again, but stations given up), UNREACHABLE (the way home given up, or with
-        walled_in="fail" that to a station), TIMED_OUT (`max_steps`), OUT_OF_BUDGET
-        (`max_expansions`).
+        walled_in="fail" that to a station: on the map as known, there was none), TIMED_OUT
+        (`max_steps`), OUT_OF_BUDGET (given up likewise, but "aco", "ga" or "cmpso" only found no
+        way: there may have been one; of "dstar_lite", `max_expansions`).
       order: int32[B, d], stations in the order of the cruise, home (0) first.
       visited: bool[B, d], by station; home always.
       visit_step: int32[B, d], step after which the vessel was at each station, -1 where it was
         not; of home 0.
       leg_status: int32[B, d], `Status` of the legs, the last of which leads home: REACHED,
-        UNREACHABLE (its stop was given up), TIMED_OUT, OUT_OF_BUDGET; RUNNING where it did not
-        begin.
+        UNREACHABLE (its stop was given up: there was no way), OUT_OF_BUDGET (none was found, as
+        above), TIMED_OUT; RUNNING where it did not begin.
       leg_step: int32[B, d], step at which each ended.
       track: int32[B, T + 1, 2], cells (x, y) after each step, home first; the last is repeated.
       steps: int32[B], moves and waits.
@@ -119,7 +120,7 @@ def _status(legs: np.ndarray) -> np.ndarray:
     """Status of cruises from that of their legs, int32[B, d]."""
     ended = np.count_nonzero(legs != int(Status.RUNNING), axis=1)
     last = legs[np.arange(len(legs)), ended - 1]
-    skipped = np.any(legs[:, :-1] == int(Status.UNREACHABLE), axis=1)
+    skipped = np.any(legs[:, :-1] != int(Status.REACHED), axis=1)
     home = legs[:, -1] == int(Status.REACHED)
     status = np.where(home, np.where(skipped, int(Status.PARTIAL), int(Status.REACHED)), last)
     return status.astype(np.int32)

@@ -9,8 +9,9 @@ import numpy as np
 
 from usvjax.cruises.following import Orders, follow_paths
 from usvjax.cruises.inputs import Mission
-from usvjax.cruises.voyages import Voyages, voyages_of
+from usvjax.cruises.voyages import Voyages, joined_moves, voyages_of
 from usvjax.search.astar import astar
+from usvjax.search.inputs import check_memory
 from usvkernels.cruise.following import Halt
 from usvkernels.cruise.sailing import STAY
 from usvkernels.status import Status
@@ -20,9 +21,14 @@ SWARMS = ("aco", "ga", "cmpso")
 
 PLANNERS = ("astar", *SWARMS)
 
+PLANNER_OPTIONS = ("iterations", "population", "params", "on_blocked")
+"""Keywords of `plan_paths` that a user may choose; the algorithm is the method's."""
+
+MOST_CELLS = 2**28  # of the maps of cruises under way at once
+_PLANES = 8  # of one byte a cell, held of each of these maps at once: truth, known, in and out
+
 _ENDINGS = {
     Halt.ARRIVED: Status.REACHED,
-    Halt.DROPPED: Status.UNREACHABLE,
     Halt.LATE: Status.TIMED_OUT,
 }
 
@@ -38,6 +44,12 @@ class Planner:
 
     method: str
     options: dict[str, Any]
+
+    def check(self) -> None:
+        """Refuse what `plan_paths` would, which has nothing to do on a map of one cell."""
+        cells = np.zeros((1, 2), np.int32)
+        keys = jax.random.split(jax.random.key(0), 1)
+        self.paths(np.zeros((1, 1, 1), bool), cells, cells, keys, False)
 
     def paths(
         self,
@@ -85,7 +97,7 @@ def sail_in_rounds(
     key: jax.Array,
     first: int = 0,
 ) -> Voyages:
-    """Sail all cruises.
+    """Sail all cruises, in blocks whose maps fit in memory.
 
     Args:
       mission: the cruises.
@@ -95,6 +107,32 @@ def sail_in_rounds(
       key: of the planner's random numbers; of cruise j, plan k the parts (first + j, k).
       first: number of the first cruise.
     """
+    height, width = mission.shape
+    most = max(1, MOST_CELLS // (height * width))
+    blocks = np.array_split(np.arange(len(mission)), -(-len(mission) // most))
+    longest = len(blocks[0])
+    what = f"blocked: {longest} cruises at once on {width} x {height} cells"
+    check_memory(_PLANES * longest * height * width, what)
+    moves, legs = [], []
+    for rows in blocks:
+        part = mission.part(rows)
+        fleet = _sailed(part, order[rows], seeds[rows], planner, key, first + int(rows[0]))
+        used = max(int(fleet.step.max()), 1)
+        moves.append(fleet.moves[:, :used])
+        legs.append(fleet.legs)
+    home = mission.stations[:, 0]
+    return voyages_of(home, joined_moves(moves), np.concatenate(legs), 1.0)
+
+
+def _sailed(
+    mission: Mission,
+    order: np.ndarray,
+    seeds: np.ndarray,
+    planner: Planner,
+    key: jax.Array,
+    first: int,
+) -> _Fleet:
+    """The cruises when all are over; arguments as of `sail_in_rounds`."""
     fleet = _begun(mission)
     round_trip = np.concatenate([order, order[:, :1]], axis=1)
     stops = np.take_along_axis(mission.stations, round_trip[..., None], axis=1)
@@ -110,7 +148,7 @@ def sail_in_rounds(
         plans = planner.paths(known, fleet.here[rows], goals, keys, mission.corner_cutting)
         _count_plans(fleet, rows, plans)
         _sail_on(mission, fleet, seeds, rows, plans)
-    return voyages_of(mission.stations[:, 0], fleet.moves, fleet.legs, 1.0)
+    return fleet
 
 
 def _begun(mission: Mission) -> _Fleet:
@@ -178,6 +216,10 @@ def _sail_on(
     fleet.step[rows] += sailed.made
     for halt, status in _ENDINGS.items():
         _end_legs(mission, fleet, rows[sailed.halt == halt], status)
+    # No cell in view came free since this plan: what it has proven holds, and nothing else does.
+    dropped = sailed.halt == Halt.DROPPED
+    _end_legs(mission, fleet, rows[dropped & orders.proven], Status.UNREACHABLE)
+    _end_legs(mission, fleet, rows[dropped & ~orders.proven], Status.OUT_OF_BUDGET)
 
 
 def _log_moves(fleet: _Fleet, rows: np.ndarray, moves: np.ndarray, made: np.ndarray) -> None:
@@ -203,7 +245,8 @@ def _end_legs(mission: Mission, fleet: _Fleet, rows: np.ndarray, status: Status)
     fleet.legs[rows, fleet.leg[rows] - 1, 0] = int(status)
     fleet.legs[rows, fleet.leg[rows] - 1, 1] = fleet.step[rows]
     last = fleet.leg[rows] == mission.legs
-    ends = status == Status.TIMED_OUT or (status == Status.UNREACHABLE and mission.gives_up)
+    given_up = status in (Status.UNREACHABLE, Status.OUT_OF_BUDGET)
+    ends = status == Status.TIMED_OUT or (given_up and mission.gives_up)
     fleet.over[rows] = last | ends
     fleet.leg[rows] = np.where(fleet.over[rows], fleet.leg[rows], fleet.leg[rows] + 1)
     fleet.first[rows] = fleet.step[rows]

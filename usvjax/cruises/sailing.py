@@ -7,12 +7,12 @@ import jax
 import numpy as np
 
 from usvjax.cruises.inputs import Mission
-from usvjax.cruises.voyages import Voyages, voyages_of
+from usvjax.cruises.voyages import Voyages, joined_moves, voyages_of
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.paths.blocks import bucket
 from usvjax.search.inputs import check_memory
 from usvkernels.cruise import lanes as cruise_lanes
-from usvkernels.cruise.sailing import STAY, Cruises, CruiseStatic
+from usvkernels.cruise.sailing import Cruises, CruiseStatic
 from usvkernels.lanes import LEAST_LANES
 from usvkernels.search.dstar_layout import Layout, ReplanStatic
 
@@ -89,9 +89,7 @@ def sail(mission: Mission, order: np.ndarray, seeds: np.ndarray, replanning: Rep
     room = _room(task, len(parts[0]), len(devices))
     found = list(share_out(partial(_sail_part, task, room), parts, devices))
     busy, total = sum(logs[2] for logs in found), sum(logs[3] for logs in found)
-    moves = np.full((len(mission), max(logs[0].shape[1] for logs in found)), STAY, np.uint8)
-    for part, logs in zip(parts, found, strict=True):
-        moves[part, : logs[0].shape[1]] = logs[0]
+    moves = joined_moves([logs[0] for logs in found])
     legs = np.concatenate([logs[1] for logs in found])
     return voyages_of(mission.stations[:, 0], moves, legs, busy / total)
 

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from usvkernels.cruise.sailing import STAY
+
 
 @dataclass(frozen=True)
 class Voyages:
@@ -13,8 +15,9 @@ class Voyages:
       track: int32[B, T + 1, 2], cells (x, y) after each step, home first; the last is repeated.
       steps: int32[B], moves and waits.
       waits: int32[B], steps without a move.
-      leg_status: int32[B, d], `Status`: REACHED; UNREACHABLE where the stop was given up;
-        TIMED_OUT, OUT_OF_BUDGET; RUNNING where the leg did not begin.
+      leg_status: int32[B, d], `Status`: REACHED; UNREACHABLE where the stop was given up for there
+        was no way, OUT_OF_BUDGET where none was found within a budget; TIMED_OUT; RUNNING where
+        the leg did not begin.
       leg_step: int32[B, d], step of the cruise at which it ended.
       expanded: int64[B], cells.
       plans: int32[B], steps at which the way was planned or changed.
@@ -29,6 +32,17 @@ class Voyages:
     expanded: np.ndarray
     plans: np.ndarray
     occupancy: float
+
+
+def joined_moves(parts: list[np.ndarray]) -> np.ndarray:
+    """Moves uint8[n, T] of cruises that follow one another, filled up with STAY; uint8[B, T]."""
+    longest = max(part.shape[1] for part in parts)
+    joined = np.full((sum(map(len, parts)), longest), STAY, np.uint8)
+    first = 0
+    for part in parts:
+        joined[first : first + len(part), : part.shape[1]] = part
+        first += len(part)
+    return joined
 
 
 def voyages_of(home: np.ndarray, moves: np.ndarray, legs: np.ndarray, occupancy: float) -> Voyages:

@@ -6,13 +6,14 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.checks import number, whole_number
+from usvjax.checks import number, public_name, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.keys import as_key
 from usvjax.search.inputs import SearchScene
 from usvkernels.draws import seeds
 
 MOST_ITERATIONS = 1 << 20
+LEAST_WEIGHT = 1e-6  # with all below it, no path is fitter than none
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,8 @@ class Defaults:
       least: members that it needs.
       most: members that it can have.
       multiple: of which the population must be one.
-      ranges: (least, most) of parameters that not every number suits, both allowed.
+      ranges: (least, most) of each parameter, both allowed.
+      weights: parameters of which one at least must be `LEAST_WEIGHT`; none where empty.
     """
 
     params: Any
@@ -36,6 +38,7 @@ class Defaults:
     most: int
     multiple: int
     ranges: dict[str, tuple[float, float]]
+    weights: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,14 +101,21 @@ def _params(defaults: Defaults, params: Any) -> Any:
     if params is None:
         return defaults.params
     if not isinstance(params, kind):
-        raise BadTypeError(f"params: got {type(params).__name__}; wanted {kind.__name__}")
+        raise BadTypeError(f"params: got {public_name(type(params))}; wanted {public_name(kind)}")
     values = {f.name: number(f"params.{f.name}", getattr(params, f.name)) for f in fields(kind)}
     for name, value in values.items():
-        low, high = defaults.ranges.get(name, (0.0, np.inf))
+        low, high = defaults.ranges[name]
         if not low <= value <= high:
-            wanted = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
-            raise BadInputError(f"params.{name}: got {value:g}; wanted {wanted}")
+            raise BadInputError(f"params.{name}: got {value:g}; wanted {low:g} to {high:g}")
+    _check_weights({name: values[name] for name in defaults.weights})
     return kind(**values)
+
+
+def _check_weights(weights: dict[str, float]) -> None:
+    if weights and max(weights.values()) < LEAST_WEIGHT:
+        names = ", ".join(f"params.{name}" for name in weights)
+        got = " and ".join(f"{weight:g}" for weight in weights.values())
+        raise BadInputError(f"{names}: got {got}; wanted {LEAST_WEIGHT:g} or more of one of them")
 
 
 def _seeds(key: Any, count: int) -> np.ndarray:

@@ -76,7 +76,8 @@ def plan_paths(
       algorithm: "aco" (ants), "ga" (genes) or "cmpso" (particles).
       iterations: by default 100, of "ga" 50 (the paper's, of "cmpso" ours).
       population: ants, individuals or particles; by default 200 (the paper's), 200 and 60 (ours).
-      params: `AcoParams`, `GaParams` or `CmpsoParams` of numbers; by default the paper's.
+      params: `AcoParams`, `GaParams` or `CmpsoParams` of `usvjax.planners`, of numbers; by default
+        the paper's.
       on_blocked: "raise" refuses a start or goal on a blocked cell, "status" marks such rows.
 
     Raises:

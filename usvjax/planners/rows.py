@@ -14,9 +14,11 @@ from usvjax.paths.blocks import QUICKLY_COMPILED, bucket
 from usvjax.planners.inputs import Defaults, Request
 from usvjax.planners.tracks import Tracks, tracks_of_moves
 from usvjax.search.inputs import check_memory
+from usvjax.swarms.ranges import RANGES
 from usvkernels.planners import cmpso, ga
 from usvkernels.planners.moves import MOVES
 from usvkernels.planners.rows import MOST_SIDE, RowPlans, RowQueries
+from usvkernels.swarms.cmpso import CmpsoParams as SwarmParams
 
 GA_DEFAULTS = Defaults(
     params=ga.GaParams(),
@@ -25,7 +27,13 @@ GA_DEFAULTS = Defaults(
     least=2,
     most=2048,  # the wheel compares all with all
     multiple=2,
-    ranges={"crossover": (0.0, 1.0), "mutation": (0.0, 1.0)},
+    ranges={
+        "crossover": (0.0, 1.0),
+        "mutation": (0.0, 1.0),
+        "length_weight": (0.0, 1e6),
+        "smoothness_weight": (0.0, 1e6),
+    },
+    weights=("length_weight", "smoothness_weight"),
 )
 CMPSO_DEFAULTS = Defaults(
     params=cmpso.CmpsoParams(),
@@ -34,7 +42,7 @@ CMPSO_DEFAULTS = Defaults(
     least=cmpso.SWARMS,
     most=1 << 14,
     multiple=cmpso.SWARMS,
-    ranges={"max_speed": (1e-6, 1.0)},
+    ranges=RANGES[SwarmParams],  # those of a swarm that minimises
 )
 GROUP = 8  # queries side by side
 LEAST_ROWS = 16  # of a frame

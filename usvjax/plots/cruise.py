@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
-from usvjax.errors import BadInputError
+from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
 from usvjax.plots import base_map, style
 from usvjax.plots.paths import clean_track
@@ -65,19 +65,28 @@ def plot_cruise(
         kilometres from 5 km up.
 
     Raises:
-        BadInputError: Arrays of shapes that do not agree, stations that are not finite, or an
-            order or a tour that is not one.
+        BadTypeError: A map that is no `GridMap`.
+        BadInputError: Arrays of shapes that do not agree, stations that are not finite, an order
+            that is not one or does not begin with home, or a tour that is not one.
     """
+    if not isinstance(grid_map, GridMap):
+        got = type(grid_map).__name__
+        raise BadTypeError(f"grid_map is of type {got}; a usvjax.GridMap was wanted")
     places = np.asarray(stations, dtype=float)
     if places.ndim != 2 or places.shape[1] != 2 or len(places) < 2:
         raise BadInputError(f"stations has shape {places.shape}; (d, 2) was wanted, d >= 2")
     if not np.isfinite(places).all():
         raise BadInputError("stations has a number that is not finite")
     visits = _order("order", order, len(places))
+    if visits[0] != 0:
+        raise BadInputError(f"order is {visits.tolist()}; home, 0, was wanted first")
     seen = np.ones(len(places), bool) if visited is None else np.asarray(visited, bool)
     if seen.shape != (len(places),):
         raise BadInputError(f"visited has shape {seen.shape}; ({len(places)},) was wanted")
-    line = clean_track(track, "track")
+    sailed = np.asarray(track, dtype=float)
+    if sailed.ndim != 2 or sailed.shape[1] < 2:
+        raise BadInputError(f"track has shape {sailed.shape}; (P, 2 or more) was wanted")
+    line = clean_track(sailed, "track")
     fig, ax = base_map.new_sheet(grid_map, view or view_around(grid_map, [line, places]))
     handles = []
     if tour is not None:

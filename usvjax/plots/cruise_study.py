@@ -1,6 +1,6 @@
 """The figures of a run of kind "cruise"."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +9,7 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from usvjax.cruises import CruiseResult
+from usvjax.cruises.orders import DISTANCES
 from usvjax.maps import GridMap
 from usvjax.plots.cruise import duration_words, plot_cruise
 from usvjax.plots.distributions import both_reached
@@ -25,6 +26,7 @@ from usvjax.study.cruise_methods import (
     tour_lengths,
 )
 from usvjax.study.cruise_workload import CruiseCondition
+from usvjax.study.itinerary import itinerary
 from usvkernels.status import Status
 
 _KILOMETRES_FROM_M, _HOURS_FROM_S = 5000.0, 7200.0
@@ -32,13 +34,14 @@ _KILOMETRES_FROM_M, _HOURS_FROM_S = 5000.0, 7200.0
 
 def cruise_figures(
     run: Run, table: pl.DataFrame, max_examples: int, max_paths: int, folder: Path | None
-) -> Iterator[tuple[str, Figure]]:
-    """Yield (name, figure) of a run, the cheap ones first; see `figures_for_run`."""
+) -> Iterator[tuple[str, Figure | pl.DataFrame]]:
+    """Yield (name, figure or table) of a run, the cheap ones first; see `figures_for_run`."""
     yield from method_pages(run, table, _comparison(table))
     for condition in range(min(max_examples, len(run.settings))):
         mine = table.filter(pl.col("condition") == condition)
         if not mine.is_empty():
-            yield f"cruise-c{condition}", _example(run, mine, condition, folder)
+            for drawn in _example(run, mine, condition, folder):
+                yield f"cruise-c{condition}", drawn
 
 
 def _comparison(table: pl.DataFrame) -> Comparison:
@@ -59,8 +62,10 @@ def _comparison(table: pl.DataFrame) -> Comparison:
     return Comparison(Status.REACHED, panels, "cruises that every method completed")
 
 
-def _example(run: Run, table: pl.DataFrame, condition: int, folder: Path | None) -> Figure:
-    """The typical cruise of a condition under the first method."""
+def _example(
+    run: Run, table: pl.DataFrame, condition: int, folder: Path | None
+) -> tuple[Figure, pl.DataFrame]:
+    """The typical cruise of a condition under the first method, and its itinerary."""
     payload: CruiseCondition = payload_of(run, condition, folder)
     method = run.methods[0]
     job, why = typical_cruise(table, method)
@@ -74,16 +79,23 @@ def _example(run: Run, table: pl.DataFrame, condition: int, folder: Path | None)
     head = run.labels[condition]
     if not head.startswith(run.name):
         head = f"{run.name}: {head}"
-    return _cruise_figure(posed, sailed, f"{head}, {method}, job {job} ({why})")
+    cell_size = posed.waters.cell_size
+    legs = {
+        name: leg_lengths(posed.sites, cell_size, replace(posed.options, distances=name))
+        for name in DISTANCES
+    }
+    figure = _cruise_figure(posed, sailed, legs, f"{head}, {method}, job {job} ({why})")
+    return figure, itinerary(posed, sailed, legs)
 
 
-def _cruise_figure(posed: Posed, sailed: CruiseResult, title: str) -> Figure:
+def _cruise_figure(
+    posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray], title: str
+) -> Figure:
     waters, options = posed.waters, posed.options
     grid = waters.chart or GridMap(posed.sites.blocked[0], waters.cell_size, waters.origin)
-    order, tour, words = _straight_tour(posed, sailed)
-    count = len(order)
+    tour, words = _straight_tour(posed, legs)
     length, time = float(sailed.smooth_length[0]), float(sailed.smooth_time[0])
-    facts = [f"{count} stations", length_words(length)]
+    facts = [visits_words(sailed), length_words(length)]
     facts.append(f"{duration_words(time)} at {options.speed:g} m/s")
     if options.flip_rate:
         facts.append("chart as it was at the start")
@@ -91,27 +103,31 @@ def _cruise_figure(posed: Posed, sailed: CruiseResult, title: str) -> Figure:
     return plot_cruise(
         grid,
         grid.points_of(posed.sites.stations[0]),
-        order,
+        sailed.order[0],
         grid.points_of(way),
         visited=sailed.visited[0],
         tour=tour,
-        track_label=f"cruise as sailed, pulled straight: {length_words(length)}",
+        track_label=f"cruise, pulled straight: {length_words(length)}, "
+        f"from cell to cell {length_words(float(sailed.length[0]))}",
         tour_label=words,
         title=f"{title}\n{', '.join(facts)}",
     )
 
 
-def _straight_tour(posed: Posed, sailed: CruiseResult) -> tuple[np.ndarray, np.ndarray, str]:
-    """The order of a cruise, that of the shortest tour in straight lines, and words for it."""
-    cell_size = posed.waters.cell_size
-    straight, water = (
-        leg_lengths(posed.sites, cell_size, replace(posed.options, distances=name))
-        for name in ("straight", "water")
-    )
-    tour = shortest_tours(posed.seed, posed.jobs, straight, "recommended")
-    across, along = (float(tour_lengths(legs, tour)[0]) for legs in (straight, water))
-    words = f"shortest tour in straight lines: {length_words(across)}"
-    return sailed.order[0], tour[0], f"{words}, {length_words(along)} by water"
+def visits_words(sailed: CruiseResult) -> str:
+    """How many stations there are; of a cruise that failed, how it ended and how many it saw."""
+    count, seen = len(sailed.order[0]), int(sailed.visited[0].sum())
+    status = Status(int(sailed.status[0]))
+    if status == Status.REACHED:
+        return f"{count} stations"
+    return f"{status.name.replace('_', ' ')}, {seen} of {count} stations visited"
+
+
+def _straight_tour(posed: Posed, legs: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:
+    """The order of the shortest tour in straight lines, and words for it."""
+    tour = shortest_tours(posed.seed, posed.jobs, legs["straight"], "recommended")
+    across, along = (length_words(float(tour_lengths(legs[d], tour)[0])) for d in DISTANCES)
+    return tour[0], f"shortest tour in straight lines: {across}, from cell to cell {along}"
 
 
 def typical_cruise(table: pl.DataFrame, method: str) -> tuple[int, str]:

@@ -51,7 +51,8 @@ def figures_for_run(
       conditions one query under all methods ("routes"), its curvature ("curvature") and, where
       all share a map, many routes on it ("chart");
     - of a study of cruises: how the methods compare ("methods"), and of each of the first
-      conditions the cruise of median length on its chart ("cruise").
+      conditions the cruise of median length on its chart ("cruise"), with its itinerary as a
+      table beside it (.csv; see `usvjax.study.itinerary.itinerary`).
 
     The example on an obstacle map is not picked by eye: of the episodes in which all methods
     reached and took different times, it is the one with the median difference.
@@ -85,12 +86,18 @@ def figures_for_run(
     written = []
     kinds = {"route": route_figures, "cruise": cruise_figures}
     figures = kinds.get(run.manifest["study"]["kind"], _figures)
-    for name, fig in figures(run, table, max_examples, max_paths, folder):
-        for suffix in formats:
-            written.append(style.save(fig, run.path / FOLDER / f"{name}{suffix}"))
+    for name, drawn in figures(run, table, max_examples, max_paths, folder):
+        for suffix in formats if isinstance(drawn, Figure) else (".csv",):
+            written.append(_saved(drawn, run.path / FOLDER / f"{name}{suffix}"))
             if on_written is not None:
                 on_written(written[-1])
     return written
+
+
+def _saved(drawn: Figure | pl.DataFrame, path: Path) -> Path:
+    if isinstance(drawn, Figure):
+        return style.save(drawn, path)
+    return style.write_atomically(path, lambda into: drawn.write_csv(into, float_precision=1))
 
 
 def _figures(

@@ -13,6 +13,7 @@ from usvjax.checks import one_of
 from usvjax.cruises import CruiseResult, cruise
 from usvjax.cruises.inputs import Mission, check_heuristic, check_mission
 from usvjax.cruises.orders import DISTANCES, water_distances
+from usvjax.errors import BadInputError
 from usvjax.study.cruise_waters import Sites, Waters
 from usvjax.tours import solve_tour
 
@@ -67,7 +68,8 @@ class CruiseOptions:
         sensing: (h, w), rows and columns of the window about the vessel.
         walled_in: what to do while no way is known: "wait", "skip" or "fail".
         max_wait: steps.
-        max_steps: of a leg; None for 8 times height plus width of the map.
+        max_steps: of a leg; None for 8 times height plus width of the map, or what the keys of
+            D* Lite can count on it.
         speed: m/s.
     """
 
@@ -111,15 +113,25 @@ class Posed:
         return self.orders[algorithm]
 
 
-def check_options(waters: Waters, options: CruiseOptions) -> None:
+def check_options(waters: Waters, options: CruiseOptions) -> dict[str, str]:
     """Refuse what `cruise` would, before a run directory exists.
+
+    Returns:
+        Why a method refuses these options or maps, by its name; methods that do not are absent.
 
     Raises:
         BadTypeError, BadInputError: as `usvjax.cruises.cruise`.
     """
     one_of("distances", options.distances, DISTANCES)
     mission = _mission(waters.draw(0, np.arange(8)), waters.cell_size, options)
-    check_heuristic(mission, "octile", None)
+    refusals = {}
+    for name, method in METHODS.items():
+        try:
+            if method.planner == "dstar_lite":
+                check_heuristic(mission, method.heuristic, None)
+        except BadInputError as error:
+            refusals[name] = str(error)
+    return refusals
 
 
 def pose(waters: Waters, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:

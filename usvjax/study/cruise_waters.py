@@ -30,6 +30,7 @@ _ROUNDS = 50
 _STREAM = 2
 
 _BLOCK = 64  # jobs that draw at once
+_FARTHEST = 1e12  # m; whatever lies farther off overflows the number of a cell
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,8 @@ class RandomWaters:
         shape: rows and columns.
         density: probability that a cell is blocked, in [0, 1].
         cell_size: edge of a cell, m.
-        stations: of a cruise, home included.
+        stations: of a cruise, home included; one map whose largest water has no room for them
+            ends the study.
         min_distance: least straight-line distance between two stations, m.
     """
 
@@ -104,7 +106,8 @@ class RandomWaters:
         cells = [_cells(GridMap(grid).largest_component()) for grid in grids]
         least = self.min_distance / self.cell_size
         place = f"the largest water of a map of density {self.density:g}"
-        return Sites(grids, _draw_stations(seed, jobs, cells, self.stations, least, place))
+        lower = "'stations' or 'min_distance'"
+        return Sites(grids, _draw_stations(seed, jobs, cells, self.stations, least, place, lower))
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,7 @@ class GridWaters:
         min_distance: least straight-line distance between two stations drawn, m.
         min_clearance: m, from stations drawn to the nearest blocked cell's centre.
         places: (x, y) of each station in the map's metres, home first, the same for every job;
-            with none, stations are drawn.
+            when None, stations are drawn.
     """
 
     map: str
@@ -130,7 +133,7 @@ class GridWaters:
     stations: int | None = None
     min_distance: float = 0.0
     min_clearance: float = 0.0
-    places: tuple[tuple[float, float], ...] = ()
+    places: tuple[tuple[float, float], ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -162,8 +165,8 @@ class Lake(OnChart):
             value = getattr(self.spec, name)
             if not 0.0 <= value < math.inf:
                 raise BadInputError(f"{where}: {name!r} must be 0 or more, got {value:g}")
-        if self.spec.places:
-            self._check_places(where)
+        if self.spec.places is not None:
+            self._check_places(self.spec.places, where)
             return
         _check_stations(self._count, self.spec.min_distance, where)
         self.draw(0, np.arange(8))
@@ -174,30 +177,30 @@ class Lake(OnChart):
         Raises:
             BadInputError: the water has no room for them.
         """
-        if self.spec.places:
+        if self.spec.places is not None:
             given = self.chart.cells_of(self.spec.places).astype(np.int32)
             return Sites(self.water.blocked, np.repeat(given[None], len(jobs), axis=0))
         least = self.spec.min_distance / self.cell_size
         place = f"the largest water of {self.spec.map!r}"
         cells = [self.cells] * len(jobs)
-        stations = _draw_stations(seed, jobs, cells, self._count, least, place)
+        lower = "'stations', 'min_distance', 'min_clearance' or 'inflate'"
+        stations = _draw_stations(seed, jobs, cells, self._count, least, place, lower)
         return Sites(self.water.blocked, stations)
 
     @property
     def _count(self) -> int:
         return STATIONS if self.spec.stations is None else self.spec.stations
 
-    def _check_places(self, where: str) -> None:
+    def _check_places(self, places: tuple[tuple[float, float], ...], where: str) -> None:
         """Refuse places that are no stations of one body of water, or that settings contradict."""
-        places = self.spec.places
         for name in ("stations", "min_distance", "min_clearance"):
             if getattr(self.spec, name):
                 raise BadInputError(
                     f"{where}: {name!r} is of stations drawn, but 'places' is given"
                 )
         _check_stations(len(places), 0.0, where)
-        if not np.isfinite(places).all():
-            raise BadInputError(f"{where}: 'places' has a number that is not finite")
+        if not (np.abs(places) < _FARTHEST).all():
+            raise BadInputError(f"{where}: 'places' has a number that is no place in metres")
         cells = self.chart.cells_of(places)
         wet = ~self.water.is_blocked(self.chart.points_of(cells))
         if not wet.all():
@@ -227,7 +230,13 @@ def _cells(allowed: np.ndarray) -> np.ndarray:
 
 
 def _draw_stations(
-    seed: int, jobs: np.ndarray, cells: list[np.ndarray], count: int, least: float, place: str
+    seed: int,
+    jobs: np.ndarray,
+    cells: list[np.ndarray],
+    count: int,
+    least: float,
+    place: str,
+    lower: str,
 ) -> np.ndarray:
     """Draw stations for each job, one after another, each uniform over the cells still allowed.
 
@@ -237,7 +246,8 @@ def _draw_stations(
         cells: int32[N, 2] for each job, where a station may be.
         count: d, stations.
         least: cells, between any two.
-        place: what the water is, for the message.
+        place: what the water is, and
+        lower: which settings make room, for the message.
 
     Returns:
         int32[J, d, 2], cells (x, y).
@@ -260,8 +270,8 @@ def _draw_stations(
                 stations[row] = found
         open_rows = missing
     raise BadInputError(
-        f"{place} has no room for {count} stations {least:.4g} cells apart "
-        f"(job {jobs[open_rows[0]]}); lower 'stations' or 'min_distance'"
+        f"{place}, {len(cells[open_rows[0]])} cells where a station may be, has no room for "
+        f"{count} stations {least:.4g} cells apart (job {jobs[open_rows[0]]}); lower {lower}"
     )
 
 

@@ -60,7 +60,7 @@ class CruiseWorkload:
         Metric("inflections", "", "Inflections", integer=True),
         Metric("smooth_inflections", "", "Smoothed inflections", integer=True),
         Metric("waits", "", "Waits", integer=True),
-        Metric("skipped", "", "Stations skipped", integer=True, summarised=False),
+        Metric("skipped", "", "Stations skipped", integer=True, summarised=False, counted=True),
         Metric("expanded", "", "Expanded"),
         Metric("replanned", "", "Replanned", integer=True),
     )
@@ -80,9 +80,10 @@ class CruiseWorkload:
             waters.check(place)
         options = read_table(CruiseOptions, settings["cruise"], f"{where}: [cruise]")
         with saying_where(f"{where}: [cruise]"):
-            check_options(waters, options)
+            refusals = check_options(waters, options)
         in_force = {"maps": {"source": name, **asdict(table)}, "cruise": asdict(options)}
-        return Prepared(in_force, inputs, CruiseCondition(waters, options))
+        payload = CruiseCondition(waters, options)
+        return Prepared(in_force, inputs, payload, refusals=refusals)
 
     def run(
         self, spec: StudySpec, condition: Condition, method: str, jobs: np.ndarray
@@ -123,7 +124,7 @@ def _read_maps(
     name, options = read_source(table, _SOURCES, "random", where)
     if isinstance(options, RandomWaters):
         return name, options, options, {}
-    if options.stations is None and not options.places:
+    if options.stations is None and options.places is None:
         options = replace(options, stations=STATIONS)
     grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)
     return name, options, Lake(grid, options), {options.map: digest}

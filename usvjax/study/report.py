@@ -131,17 +131,20 @@ def _outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
                 f"{_interval(method['statuses'][e], 100.0)} ({method['statuses'][e]['count']})"
                 for e in endings
             ),
+            *map(number, method["counted"].values()),
         ]
         for condition in summary["conditions"]
         for method in condition["methods"]
     ]
-    return ["Condition", "Method", "Episodes", *map(_words, endings)], rows
+    means = [f"{_label(metric)}, mean" for metric in summary["study"]["counted"]]
+    return ["Condition", "Method", "Episodes", *map(_words, endings), *means], rows
 
 
 def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     success, *failures = _endings(summary)
     if sum(map(len, failures)) > _ROOM_FOR_FAILURES:
         failures = [name for name in failures if _happened(summary, name)]
+    counted = [m for m in summary["study"]["counted"] if _counted_any(summary, m["name"])]
     rows = []
     for condition in summary["conditions"]:
         for place, method in enumerate(condition["methods"]):
@@ -153,16 +156,27 @@ def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]
                     f"{method['episodes']:,}",
                     _interval(rates[success], 100.0),
                     *(_percent(rates[name]["value"]) for name in failures),
+                    *(number(method["counted"][metric["name"]]) for metric in counted),
                 ]
             )
         rows.append([])
-    return ["Condition", "Method", "Episodes", *map(_words, (success, *failures))], rows
+    means = [f"{_label(metric)}, mean" for metric in counted]
+    return ["Condition", "Method", "Episodes", *map(_words, (success, *failures)), *means], rows
 
 
 def _happened(summary: dict[str, Any], ending: str) -> bool:
     """Whether any episode of the study ended so."""
     return any(
         method["statuses"][ending]["count"]
+        for condition in summary["conditions"]
+        for method in condition["methods"]
+    )
+
+
+def _counted_any(summary: dict[str, Any], name: str) -> bool:
+    """Whether a count over all episodes is above 0 anywhere in the study."""
+    return any(
+        method["counted"][name]
         for condition in summary["conditions"]
         for method in condition["methods"]
     )

@@ -191,6 +191,9 @@ def parse_spec(
                 f"{where}: 'episodes' must be at most {most}, the queries of the file that "
                 f"[maps] names, got {top.episodes}"
             )
+        for method in methods:
+            if method in prepared.refusals:
+                raise BadInputError(f"{where}: method {method!r}: {prepared.refusals[method]}")
         label = ", ".join(filter(None, (title, _label(told, names)))) or top.name
         conditions.append(
             Condition(index, label, varied, prepared.settings, prepared.inputs, prepared.payload)

@@ -60,6 +60,7 @@ def summarise(spec: StudySpec, run: RunDirectory, progress: Progress) -> dict[st
         "until": spec.until,
         "resamples": RESAMPLES,
         "metrics": [asdict(m) for m in spec.workload.metrics if m.summarised],
+        "counted": [asdict(m) for m in spec.workload.metrics if m.counted],
         "families": _families(conditions),
     }
     rounded: dict[str, Any] = _rounded({"format": FORMAT, "study": study, "conditions": conditions})
@@ -124,6 +125,11 @@ def _method(
         "successes": counts[spec.workload.success.name],
         "statuses": rates,
         "metrics": figures[0],
+        "counted": {
+            m.name: float(table[m.name].to_numpy().mean(dtype=np.float64))
+            for m in spec.workload.metrics
+            if m.counted
+        },
     }
 
 

@@ -9,7 +9,7 @@ run anywhere and in any order and are resumed at any time.
 import importlib
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
@@ -34,7 +34,9 @@ class Metric:
         unit: SI unit, "" for none.
         label: words for tables and figures.
         integer: stored as int32 rather than float32.
-        summarised: whether the summary reports its averages and paired differences.
+        summarised: whether the summary reports its averages and paired differences, which are
+            over successes.
+        counted: whether the summary reports its mean over all episodes, however they ended.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Metric:
     label: str
     integer: bool = False
     summarised: bool = True
+    counted: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,12 +56,14 @@ class Prepared:
         inputs: SHA-256 of each file that the condition reads, by the name in the study.
         payload: what the workload's own `run` needs; opaque to the study machinery.
         most_jobs: how many episodes there can be, where a file limits them.
+        refusals: by method, why it cannot be run under these settings.
     """
 
     settings: dict[str, dict[str, Any]]
     inputs: dict[str, str]
     payload: Any
     most_jobs: int | None = None
+    refusals: Mapping[str, str] = field(default_factory=dict)
 
 
 class Workload(Protocol):

@@ -1,13 +1,12 @@
 """The algorithms by name, their defaults, and the checks of their options."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from usvjax.checks import default_or, one_of, whole_number
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.swarms.ranges import checked_numbers
 from usvkernels.swarms import aco, cmpso, ga, gwo
 from usvkernels.swarms.laws import LAWS, GwoParams
 
@@ -44,51 +43,16 @@ ALGORITHMS = {
 }
 """Yu et al. 2022, section 5.1 and Table 2."""
 
-_ABOVE_ZERO = ("mu2", "lambda1", "locality", "evaporation", "max_speed")
-_SHARES = ("crossing", "mutation")
-_NOT_NEGATIVE = ("blend", "inertia", "cognitive", "social")
 
-
-def checked_params(name: str, given: Any, runs: int, dtype: Any) -> Params:
+def checked_params(name: str, given: Any, runs: int) -> Params:
     """Numbers of an algorithm, those given or its defaults, each leaf as [runs].
-
-    Args:
-      name: of the algorithm.
-      given: what the user passed, or None.
-      runs: how many.
-      dtype: of the result.
 
     Raises:
       BadTypeError: parameters of another algorithm, or no numbers.
       BadInputError: a wrong shape, not finite, or out of range.
     """
-    default = ALGORITHMS[name].params
-    given = default_or("params", given, default, name)
-    leaves: dict[str, Any] = {
-        f.name: _leaf(f.name, getattr(given, f.name), runs).astype(dtype) for f in fields(default)
-    }
-    return type(default)(**leaves)
-
-
-def _leaf(name: str, value: Any, runs: int) -> np.ndarray:
-    array = np.asarray(value)
-    if array.dtype.kind not in "iuf":
-        raise BadTypeError(f"params.{name}: got {value!r}; wanted a number or float[{runs}]")
-    if array.shape not in ((), (runs,)):
-        raise BadInputError(
-            f"params.{name}: got shape {array.shape}; wanted a number, or one for each of "
-            f"{runs} runs"
-        )
-    for fine, wanted in (
-        (np.isfinite(array), "a finite number"),
-        ((array > 0) | (name not in _ABOVE_ZERO), "a number above 0"),
-        ((array >= 0) | (name not in _NOT_NEGATIVE), "0 or more"),
-        (((array >= 0) & (array <= 1)) | (name not in _SHARES), "a number in [0, 1]"),
-    ):
-        if not np.all(fine):
-            bad = np.atleast_1d(array)[~np.atleast_1d(fine)][0]
-            raise BadInputError(f"params.{name}: got {bad}; wanted {wanted}")
-    return np.broadcast_to(array, (runs,))
+    numbers: Params = checked_numbers(name, given, ALGORITHMS[name].params, runs)
+    return numbers
 
 
 def checked_static(name: str, given: Any, population: int) -> Static:
@@ -129,7 +93,8 @@ def _check_wolves(name: str, given: gwo.GwoStatic, population: int) -> None:
 
 def _check_particles(given: cmpso.CmpsoStatic, population: int) -> None:
     swarms = whole_number("static.swarms", given.swarms, 1)
-    whole_number("static.exchange", given.exchange, 1)
+    if whole_number("static.exchange", given.exchange, 1) >= 2**31:
+        raise BadInputError(f"static.exchange: got {given.exchange}; wanted less than 2**31")
     if population % swarms or population < 2 * swarms:
         raise BadInputError(
             f"population: got {population}; wanted a multiple of static.swarms = {swarms}, "

@@ -87,9 +87,10 @@ def minimise(
       iterations: of each run; by default the paper's: 200, for "aco" 100 and for "ga" 50.
       population: wolves, ants, individuals or particles; by default the paper's: 20 wolves, 200
         ants; where it prints none, 80 individuals and 20 particles.
-      params: `GwoParams`, `AcoParams`, `GaParams` or `CmpsoParams`; a leaf may be float[runs],
-        one value per run, for a sweep.
-      static: `GwoStatic`, `AcoStatic`, `GaStatic` or `CmpsoStatic`, choices of method.
+      params: `GwoParams`, `AcoParams`, `GaParams` or `CmpsoParams` of `usvjax.swarms`; a leaf may
+        be float[runs], one value per run, for a sweep.
+      static: `GwoStatic`, `AcoStatic`, `GaStatic` or `CmpsoStatic` of `usvjax.swarms`, choices of
+        method.
 
     Returns:
       The results, in the order of the runs.
@@ -97,8 +98,8 @@ def minimise(
     Raises:
       BadTypeError: an argument of the wrong type, or a function that JAX cannot trace.
       BadInputError: an unknown algorithm; bounds that are reversed, not finite or of another
-        shape; too few members, iterations or runs, or more than memory holds; a function that
-        returns no single number.
+        shape; too few members, iterations or runs, or more than memory holds; a parameter out of
+        range; an impossible choice; a function that returns no single number.
     """
     one_of("algorithm", algorithm, ALGORITHMS)
     method = ALGORITHMS[algorithm]
@@ -108,9 +109,9 @@ def minimise(
     population = _default("population", population, method.population)
     dtype = jnp.result_type(float)
     low, high = checked_bounds(bounds, dim, dtype)
-    _check_sizes(dim, runs, iterations, population)
     chosen = checked_static(algorithm, static, population)
-    leaves = checked_params(algorithm, params, runs, dtype)
+    _check_sizes(dim, runs, iterations, population, chosen)
+    leaves = checked_params(algorithm, params, runs)
     stream = as_key(key)
     fn = checked_objective(fn, dim, dtype)
     task = _Task(algorithm, fn, chosen, population, iterations)
@@ -123,12 +124,19 @@ def minimise(
     return _collected(found, evaluations)
 
 
-def _check_sizes(dim: int, runs: int, iterations: int, population: int) -> None:
+def _check_sizes(dim: int, runs: int, iterations: int, population: int, static: Static) -> None:
     """Refuse what the machine cannot hold: all histories, and the swarms under way."""
+    members, kept = population, ""
+    if isinstance(static, AcoStatic):
+        members += static.archive
+        kept = f" and an archive of {static.archive}"
     results = 8 * runs * (iterations + dim)
-    swarms = 8 * _COPIES * LANES * len(chosen_devices()) * population * dim
-    what = f"runs: {runs} of {iterations} iterations with {population} members in {dim} dimensions"
-    check_memory(results + swarms, what)
+    swarms = 8 * _COPIES * LANES * len(chosen_devices()) * members * dim
+    check_memory(
+        results + swarms,
+        f"runs: {runs} of {iterations} iterations with {population} members{kept} in {dim} "
+        "dimensions",
+    )
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ def optimal_tour(points: Any = None, *, distances: Any = None, closed: bool = Tr
 
     Returns:
       int32[B, d], the stations in the order of the visits, station 0 first; `tour_length` says
-      how long.
+      how long. Where no tour is of finite length, some order, of which it says inf.
 
     Raises:
       BadTypeError: an argument of the wrong type.

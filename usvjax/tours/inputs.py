@@ -7,10 +7,12 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.search.inputs import check_memory
 
 MOST_STATIONS = 1000
 _POINTS = "float [B, d, 2] or [d, 2]"
 _DISTANCES = "float [B, d, d] or [d, d]"
+_COPIES = 5  # of the distances, while they are checked and scaled
 
 
 @dataclass(frozen=True)
@@ -34,9 +36,9 @@ class Legs:
         return self.distances.shape[1]
 
     @property
-    def symmetric(self) -> bool:
-        """Whether all distances are the same in both directions."""
-        return bool((self.distances == self.distances.transpose(0, 2, 1)).all())
+    def symmetric(self) -> np.ndarray:
+        """Of which problems all distances are the same in both directions; bool[B or 1]."""
+        return np.array([(one == one.T).all() for one in self.distances])
 
     def joined(self, closed: bool) -> np.ndarray:
         """Which problems may have a tour of finite length; bool[B or 1].
@@ -97,6 +99,10 @@ def _numbers(name: str, value: Any, wanted: str) -> np.ndarray:
         raise BadInputError(
             f"{name}: got {stations} station{'s' * (stations != 1)}; wanted 2 to {MOST_STATIONS}"
         )
+    problems = len(array) if array.ndim == 3 else 1
+    check_memory(
+        8 * _COPIES * problems * stations**2, f"{name}: {problems} problems of {stations} stations"
+    )
     array = array.astype(np.float64)
     if np.isnan(array).any():
         raise BadInputError(f"{name}: nan at index {_first(np.isnan(array))}; wanted numbers")

@@ -1,23 +1,27 @@
 """Search for short tours, many problems and many runs at once."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from usvjax.checks import one_of, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.errors import BadInputError
-from usvjax.keys import as_key
+from usvjax.keys import as_key, first_run
+from usvjax.search.inputs import check_memory
 from usvjax.tours import exact
 from usvjax.tours.algorithms import (
     ALGORITHMS,
     NAMES,
+    Static,
     checked_iterations,
     checked_params,
     checked_population,
+    checked_static,
     refuse_options,
 )
 from usvjax.tours.inputs import Legs, checked_legs, truth
@@ -28,6 +32,8 @@ from usvkernels.tours.lengths import from_start
 
 EXACT_UP_TO = 12
 """Stations; so few are solved exactly by "recommended"."""
+_SWARM_COPIES = 6  # arrays as large as the swarm, in an iteration
+_RESULT_COPIES = 4  # arrays as large as the results, while they are collected
 
 
 @dataclass(frozen=True)
@@ -62,6 +68,7 @@ def solve_tour(
     iterations: int | None = None,
     population: int | None = None,
     params: Any = None,
+    static: Static | None = None,
     first: int = 0,
 ) -> TourResult:
     """Search for the shortest tour from station 0 through all others.
@@ -89,7 +96,11 @@ def solve_tour(
         "ils", moves and kicks together: 20 per station.
       population: wolves, ants, individuals or particles; by default the paper's: 20 wolves, 200
         ants; where it prints none, 80 individuals and 20 particles.
-      params: of the algorithm, `IlsParams` and so on; a leaf may be an array, one value per run.
+      params: of the algorithm, `usvjax.tours.IlsParams` and so on; a leaf may be an array, one
+        value per run.
+      static: choices of method: `usvjax.swarms.GwoStatic` of the wolves, `CmpsoStatic` of "cmpso".
+        "igwo" and "igwo_swap" have the law "beta" only. Wolves by swap sequences are by default
+        greedy and led by the best of the pack.
       first: number of the first run, so that parts of a batch can be solved apart.
 
     Returns:
@@ -98,30 +109,32 @@ def solve_tour(
     Raises:
       BadTypeError: an argument of the wrong type.
       BadInputError: an unknown algorithm; fewer than two stations, two in one place, NaN, negative
-        distances or a wrong shape; too few runs, iterations or members.
+        distances or a wrong shape; too few runs, iterations or members, or more than memory
+        holds; an impossible choice.
     """
     one_of("algorithm", algorithm, NAMES)
     legs = checked_legs(points, distances)
     closed = truth("closed", closed)
     stream = as_key(key)
     count = _count(legs, runs)
-    first = whole_number("first", first, 0)
+    first = first_run(first, count)
     if algorithm == "recommended":
         algorithm = "exact" if legs.stations <= EXACT_UP_TO else "ils"
     if algorithm == "exact":
-        refuse_options(iterations=iterations, population=population, params=params)
+        refuse_options(iterations=iterations, population=population, params=params, static=static)
+        _check_sizes(legs, count, 1, 0)
         order = np.broadcast_to(exact.orders(legs, closed), (count, legs.stations))
         return _collected(legs, closed, order, None, algorithm)
-    task = _Task(
-        algorithm,
-        checked_iterations(algorithm, iterations, legs.stations),
-        checked_population(algorithm, population),
-        legs.symmetric and closed,
-    )
+    iterations = checked_iterations(algorithm, iterations, legs.stations)
+    population = checked_population(algorithm, population)
+    chosen = checked_static(algorithm, static, population)
+    _check_sizes(legs, count, iterations, population or 0)
     leaves = checked_params(algorithm, params, count)
     # Few sizes, so that few programs are compiled.
     seeds = np.asarray(_seeds(stream, 1 << (count - 1).bit_length(), first))
-    order, history = _in_blocks(task, exact.scaled(legs, closed), seeds, leaves, count)
+    task = _Task(algorithm, chosen, iterations, population)
+    symmetric = legs.symmetric & closed
+    order, history = _in_blocks(task, exact.scaled(legs, closed), symmetric, seeds, leaves, count)
     return _collected(legs, closed, order, history, algorithm)
 
 
@@ -130,9 +143,23 @@ class _Task:
     """What a program is compiled for."""
 
     algorithm: str
+    static: Static | None
     iterations: int
     population: int | None
-    symmetric: bool
+    symmetric: bool = True
+
+
+def _check_sizes(legs: Legs, runs: int, iterations: int, population: int) -> None:
+    """Refuse what the machine cannot hold: all histories, and the swarms under way."""
+    stations = legs.stations
+    results = 8 * _RESULT_COPIES * runs * (iterations + stations)
+    size = np.dtype(jnp.result_type(float)).itemsize
+    at_once = lanes(stations) * len(chosen_devices())
+    swarms = size * _SWARM_COPIES * at_once * population * stations
+    members = f" with {population} members" if population else ""
+    check_memory(
+        results + swarms, f"runs: {runs} of {iterations} iterations{members} on {stations} stations"
+    )
 
 
 def _count(legs: Legs, runs: int | None) -> int:
@@ -149,25 +176,47 @@ def _count(legs: Legs, runs: int | None) -> int:
 
 
 def _in_blocks(
-    task: _Task, distances: np.ndarray, seeds: np.ndarray, params: Any, count: int
+    task: _Task,
+    distances: np.ndarray,
+    symmetric: np.ndarray,
+    seeds: np.ndarray,
+    params: Any,
+    count: int,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Run blocks of lanes, shared out over the devices; int[B, d] and float[B, T]."""
-    devices = chosen_devices()
+    """Run blocks of lanes, shared out over the devices; int[B, d] and float[B, T].
+
+    Distances that are the same in both directions, and others, run in blocks of their own: so a
+    run does not depend on the other problems.
+    """
     size = lanes(distances.shape[1])
-    blocks = [np.arange(first, first + size) for first in range(0, count, size)]
     shared = len(distances) == 1
+    blocks = [
+        (replace(task, symmetric=same), rows)
+        for same in (True, False)
+        for rows in _blocks(np.flatnonzero(np.broadcast_to(symmetric, count) == same), size)
+    ]
 
-    def on_device(rows: np.ndarray, device: jax.Device) -> tuple[np.ndarray, np.ndarray]:
-        own = np.minimum(rows, count - 1)
-        legs = distances[0] if shared else np.moveaxis(distances[own], 0, -1)
-        leaves = jax.tree.map(lambda leaf: leaf[own], params)
-        arrays = jax.device_put((legs, seeds[:, own], leaves), device)
-        order, history = jax.device_get(_run(*arrays, task))
-        return order.T, history.T
+    def on_device(
+        block: tuple[_Task, np.ndarray], device: jax.Device
+    ) -> tuple[np.ndarray, np.ndarray]:
+        task, rows = block
+        legs = distances[0] if shared else np.moveaxis(distances[rows], 0, -1)
+        leaves = jax.tree.map(lambda leaf: leaf[rows], params)
+        arrays = jax.device_put((legs, seeds[:, rows], leaves), device)
+        return jax.device_get(_run(*arrays, task))
 
-    parts = list(share_out(on_device, blocks, devices))
-    order, history = (np.concatenate(arrays)[:count] for arrays in zip(*parts, strict=True))
+    parts = list(share_out(on_device, blocks, chosen_devices()))
+    _, where = np.unique(np.concatenate([rows for _, rows in blocks]), return_index=True)
+    order, history = (
+        np.concatenate(arrays, axis=1).take(where, axis=1).T for arrays in zip(*parts, strict=True)
+    )
     return order, history
+
+
+def _blocks(rows: np.ndarray, size: int) -> list[np.ndarray]:
+    """Rows in blocks of one size, the last filled up with the last row."""
+    filled = np.pad(rows, (0, -len(rows) % size), mode="edge") if len(rows) else rows
+    return list(filled.reshape(-1, size))
 
 
 def lanes(stations: int) -> int:
@@ -188,6 +237,7 @@ def _run(
         distances,
         seed,
         params,
+        static=task.static,
         iterations=task.iterations,
         population=task.population,
         symmetric=task.symmetric,

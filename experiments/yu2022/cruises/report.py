@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from experiments.markdown import grid, interval
+from experiments.yu2022.cruises.compare import LEAST_RUNS
 from experiments.yu2022.cruises.published import (
     ALGORITHMS as PUBLISHED,
 )
@@ -14,19 +15,61 @@ from experiments.yu2022.cruises.published import (
     STATISTICS,
 )
 from experiments.yu2022.cruises.runs import ALGORITHMS
+from experiments.yu2022.cruises.verdicts import LEAST_PAIRS, LEVEL, SAME
 
 Found = Mapping[str, Any]
 
 _TABLES = {"ordinary": ("3", "4"), "complex": ("6", "7")}
 _INDICATORS = {"length": ("Length (m)", 0), "inflections": ("Inflection points", 1)}
+_MAPS = {"ordinary": "figs_6_10.png", "complex": "figs_11_15.png"}
 
 
-FIGURES = (
-    "`figures/figs_6_10.png`, `figures/figs_11_15.png`: one cruise of each algorithm on the same "
-    "map; numbers are the order of visits, grey is what was seen.",
-    "`figures/cruises.png`: lengths and inflection points of all algorithms beside the published "
-    "means.",
-)
+def figures(found: Found) -> list[str]:
+    """What the figures show that were drawn.
+
+    Args:
+        found: of `compare`.
+    """
+    maps = ", ".join(f"`figures/{_MAPS[environment]}`" for environment in found)
+    return [
+        f"{maps}: one cruise of each algorithm on the same map; numbers are the order of visits, "
+        "grey is what was seen.",
+        "`figures/cruises.png`: lengths and inflection points of all algorithms beside the "
+        "published means.",
+    ]
+
+
+def counts(plan: Found) -> str:
+    """How many cruises there are of each algorithm.
+
+    Args:
+        plan: of the cruises, as in results.json.
+    """
+    text = (
+        f"cruises of Case 1: {plan['runs']:,} by each algorithm that sails by D* Lite, "
+        f"{plan['swarm_runs']:,} by each of Algorithms 1 to 3"
+    )
+    if len(plan["cases"]) > 1:
+        text += f", of each other case {plan['case_runs']:,} and {plan['case_swarm_runs']:,}"
+    return text
+
+
+def note(plan: Found) -> str:
+    """How to read the verdicts.
+
+    Args:
+        plan: of the cruises, as in results.json.
+    """
+    return (
+        f"Of {LEAST_RUNS} runs or more that visit all stations. Shortest and fewest: Welch's "
+        "t-test as in the paper, on the maps of Tables 3 and 6; one algorithm that is "
+        "significantly better refutes it, and it holds where the proposed one is significantly "
+        f"better than each. The level: every mean within {100 * LEVEL:.0f} %. All cases: the "
+        "mean difference to the proposed one map by map, on the maps n that both sailed "
+        f"completely, {LEAST_PAIRS} or more; only where its interval of 95 % lies off 0 does it "
+        f"count, for or against. The least time: the ranges of {plan['repeats']} cruises lie "
+        f"apart. The same order: the shortest tour in {100 * SAME:.0f} % of the runs of each."
+    )
 
 
 def section(found: Found) -> str:
@@ -50,12 +93,18 @@ def section(found: Found) -> str:
     return "\n\n".join(parts)
 
 
-def readings() -> list[str]:
-    """How the paper was read."""
+def readings(plan: Found) -> list[str]:
+    """How the paper was read.
+
+    Args:
+        plan: of the cruises, as in results.json.
+    """
+    few, many = (min(plan[key], RUNS) for key in ("swarm_runs", "runs"))
     return [
         "Maps are not printed: every run has a map of its own, each cell blocked with the printed "
-        "density as probability, the stations' cells free. All algorithms meet the same maps and "
-        "the same flips.",
+        "density as probability, the stations' cells free. Run k of every algorithm meets map k "
+        "and its flips. Where one has fewer runs than another, its means are those of fewer maps; "
+        "what is said of differences map by map is of the maps that both sailed.",
         "The printed change of 3 % per cell and move would drive the whole map to half blocked; "
         "here it falls on the 5 x 5 cells that the vessel sees. The vessel's cell and the "
         "stations never change. Algorithms 1 to 3 plan a leg on the map as known, sail, and plan "
@@ -64,9 +113,10 @@ def readings() -> list[str]:
         "straight, as in the paper. Length and inflection points are those of the line that is "
         "sailed. A chord counts only where it was clear on the map of each moment that it "
         "replaces.",
-        f"Tables 3 and 6: the first {RUNS} maps, as many as printed, with Welch's t-test against "
-        "the proposed algorithm. Runs that do not visit all stations are counted apart and not "
-        "averaged.",
+        f"Tables 3 and 6: the first {many} maps for the algorithms that sail by D* Lite and the "
+        f"first {few} for Algorithms 1 to 3, where {RUNS} runs of each are printed, with Welch's "
+        "t-test against the proposed algorithm. Runs that do not visit all stations are counted "
+        "apart and not averaged.",
         "Population of the GA, sub-swarms of the CMPSO and how ants, genes and particles stand "
         "for paths are not printed; see the docstrings of `usvkernels.planners` and "
         "`usvkernels.tours`.",

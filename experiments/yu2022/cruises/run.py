@@ -13,7 +13,7 @@ from experiments.yu2022.cruises.runs import Plan, Results, Varied, sail_all, sai
 from experiments.yu2022.cruises.verdicts import judge
 from experiments.yu2022.parts import Part
 
-REPEATS = 4
+REPEATS = 12
 """Cruises of each algorithm that are timed alone."""
 SEARCHES = 1000
 """Runs of the search for the shortest tour."""
@@ -58,12 +58,13 @@ def run(runs: int, swarm_runs: int, seed: int, quick: bool) -> Part:
         title="Whole cruises: Tables 3, 4, 6 and 7",
         found={"plan": asdict(plan), "cases": found, "flips": flips},
         verdicts=judge(found),
-        note="",
+        note=report.note(asdict(plan)),
         summary=report.summary(found),
-        readings=report.readings(),
+        readings=report.readings(asdict(plan)),
         text=report.section(found) + "\n\n" + report.flips(flips),
-        figures=report.FIGURES,
+        figures=report.figures(found),
         draw=lambda into: draw(results, found, seed, into),
+        counts=report.counts(asdict(plan)),
         done=f"{_cruises(results, varied):,} cruises",
     )
 

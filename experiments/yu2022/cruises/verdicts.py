@@ -1,9 +1,10 @@
 """What holds of Tables 3, 4, 6 and 7 of Yu et al. 2022."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
-from experiments.verdicts import UNKNOWN, Finding, Verdict, verdict
+from experiments.markdown import interval
+from experiments.verdicts import Finding, Verdict
 from experiments.yu2022.cruises.compare import LEAST_RUNS
 from experiments.yu2022.cruises.published import (
     ALGORITHMS,
@@ -12,15 +13,18 @@ from experiments.yu2022.cruises.published import (
     PROPOSED,
     STATISTICS,
 )
+from experiments.yu2022.parts import verdict
 
 LEVEL = 0.05
 """Share of the published mean within which ours counts as the same."""
 SAME = 0.95
 """Share of runs that must find the shortest tour for the tours to count as the same."""
-LEAST_CASE_RUNS = 5
-"""Runs from which on the order in a case counts; the paper gives one value."""
+LEAST_PAIRS = 5
+"""Maps sailed by both from which on the interval of a difference counts."""
+RIVALS = tuple(name for name in ALGORITHMS if name != PROPOSED)
 _TABLES = {"ordinary": ("3", "4"), "complex": ("6", "7")}
 _WORDS = {"length": "shortest", "inflections": "fewest inflection points"}
+_DIGITS = {"length": 0, "inflections": 1}
 
 Found = Mapping[str, Any]
 
@@ -76,62 +80,134 @@ def _times(environment: str) -> str:
     return "means " + ", ".join(f"{published[name].mean:.1f}" for name in ALGORITHMS) + " s"
 
 
-def _enough(case: Found, indicator: str) -> bool:
-    return all(case["printed"][indicator][name]["n"] >= LEAST_RUNS for name in ALGORITHMS)
+def _too_few(runs: Mapping[str, int], wanted: int = LEAST_RUNS) -> str:
+    """Name those with fewer runs than wanted; empty where there is none."""
+    few = [f"{name.upper()} {n}" for name, n in runs.items() if n < wanted]
+    return f"too few runs: {', '.join(few)} of {wanted}" if few else ""
+
+
+def _listed(values: Iterable[float | None], digits: int = 0, scale: float = 1.0) -> str:
+    return ", ".join("-" if v is None else f"{scale * v:.{digits}f}" for v in values)
 
 
 def _least(case: Found, indicator: str) -> Finding:
-    """Hold when the proposed mean is the least, and significantly less than each other."""
-    if not _enough(case, indicator):
-        return Finding(None, UNKNOWN)
-    table = case["printed"][indicator]
-    means = {name: table[name]["mean"] for name in ALGORITHMS}
-    others = [name for name in ALGORITHMS if name != PROPOSED]
-    holds = all(means[PROPOSED] < means[n] and table[n]["p"] < ALPHA for n in others)
-    numbers = ", ".join(f"{mean:.0f}" for mean in means.values())
-    worst = max(table[n]["p"] for n in others)
-    return Finding(holds, f"means {numbers}; largest p {worst:.2g}")
+    """Hold when the proposed mean is significantly less than each other; fail by one rival."""
+    table = {name: case["printed"][indicator][name] for name in ALGORITHMS}
+    few = _too_few({name: row["n"] for name, row in table.items()})
+    if table[PROPOSED]["n"] < LEAST_RUNS:
+        return Finding(None, few)
+    means = "means " + _listed(row.get("mean") for row in table.values())
+    own = table[PROPOSED]["mean"]
+    known = [name for name in RIVALS if table[name]["n"] >= LEAST_RUNS]
+    unlike = [name for name in known if table[name]["p"] < ALPHA]
+    less = [name for name in unlike if table[name]["mean"] < own]
+    if less:
+        return Finding(False, f"{means}; less: {_by_p(table, less)}")
+    if few:
+        return Finding(None, f"{means}; {few}")
+    alike = [name for name in known if name not in unlike]
+    if alike:
+        return Finding(None, f"{means}; no significant difference: {_by_p(table, alike)}")
+    return Finding(True, f"{means}; largest p {max(table[name]['p'] for name in RIVALS):.2g}")
+
+
+def _by_p(table: Found, names: Iterable[str]) -> str:
+    rows = ((name, table[name]) for name in names)
+    return ", ".join(f"{name.upper()} (p {row['p']:.2g}, n {row['n']})" for name, row in rows)
 
 
 def _level(case: Found, environment: str, indicator: str) -> Finding:
-    """Hold when every algorithm's mean lies near the published one."""
-    if not _enough(case, indicator):
-        return Finding(None, UNKNOWN)
-    changes = [
-        case["printed"][indicator][name]["mean"] / STATISTICS[environment][indicator][name].mean - 1
-        for name in ALGORITHMS
-    ]
-    numbers = ", ".join(f"{100 * change:+.0f}" for change in changes)
-    return Finding(all(abs(change) <= LEVEL for change in changes), f"off by {numbers} %")
+    """Hold when every algorithm's mean lies near the published one; fail by one that does not."""
+    table = {name: case["printed"][indicator][name] for name in ALGORITHMS}
+    changes = {
+        name: row["mean"] / STATISTICS[environment][indicator][name].mean - 1
+        for name, row in table.items()
+        if row["n"] >= LEAST_RUNS
+    }
+    few = _too_few({name: row["n"] for name, row in table.items()})
+    numbers = ", ".join(
+        f"{100 * changes[name]:+.0f}" if name in changes else "-" for name in ALGORITHMS
+    )
+    numbers = "; ".join(filter(None, (f"off by {numbers} %", few)))
+    if any(abs(change) > LEVEL for change in changes.values()):
+        return Finding(False, numbers)
+    return Finding(None if few else True, numbers)
+
+
+class _Difference(NamedTuple):
+    """A rival less the proposed one in a case, on the maps that both sailed."""
+
+    text: str
+    n: int
+    low: float
+    high: float
 
 
 def _every_case(cases: Found, environment: str, indicator: str) -> Finding:
-    """Hold when the proposed one's mean is the least in every case that was run."""
+    """Hold when every rival has more in every case; one interval below 0 refutes it."""
+    tables = [
+        [_difference(number, name, case, indicator) for name in RIVALS]
+        for number, case in cases.items()
+    ]
+    below = [[own for own in table if own.high < 0] for table in tables]
+    less = [max(table, key=lambda own: own.n).text for table in below if table]
+    if less:
+        return Finding(False, f"less than the proposed one: {', '.join(less)}")
+    all_ = [own for table in tables for own in table]
+    unsure = [own.text for own in all_ if own.low <= 0]
+    if unsure:
+        numbers = f"{len(unsure)} of {len(all_)} differences undecided: {', '.join(unsure)}"
+        return Finding(None, numbers)
     if len(cases) < len(CASES[environment]):
         return Finding(None, "not all cases were run")
-    least_runs = min(case["algorithms"][n]["runs"] for case in cases.values() for n in ALGORITHMS)
-    if least_runs < LEAST_CASE_RUNS:
-        return Finding(None, UNKNOWN)
-    least = []
-    for case in cases.values():
-        means = {n: case["algorithms"][n][indicator]["value"] for n in ALGORITHMS}
-        if None in means.values():
-            return Finding(None, "an algorithm never came home")
-        least.append(min(means, key=means.__getitem__))
-    return Finding(all(n == PROPOSED for n in least), f"least: {', '.join(least)}")
+    least = [min(table, key=lambda own: own.low).text for table in tables]
+    return Finding(True, f"nearest to the proposed one: {', '.join(least)}")
+
+
+def _difference(number: str, name: str, case: Found, indicator: str) -> _Difference:
+    """Of one rival; anything may be where too few maps tell."""
+    row = case["against_proposed"][name]
+    own = row[indicator]
+    shown = interval(own, 1, _DIGITS[indicator], sign=True)
+    low, high = own["low"], own["high"]
+    if row["n"] < LEAST_PAIRS or low is None:
+        low, high = float("-inf"), float("inf")
+    return _Difference(f"Case {number} {name.upper()} {shown} (n {row['n']})", row["n"], low, high)
 
 
 def _fastest(case: Found) -> Finding:
-    """Hold when a cruise of the proposed one alone takes the least time."""
-    seconds = {n: case["seconds_alone"][n]["median"] for n in ALGORITHMS}
-    numbers = ", ".join(f"{value:.2f}" for value in seconds.values())
-    return Finding(min(seconds, key=seconds.__getitem__) == PROPOSED, f"alone {numbers} s")
+    """Hold when the slowest cruise alone is faster than any of the others; fail by one rival."""
+    times = {name: case["seconds_alone"][name] for name in ALGORITHMS}
+    own = times[PROPOSED]
+    sooner = [name for name in RIVALS if times[name]["largest"] < own["least"]]
+    later = [name for name in RIVALS if times[name]["least"] > own["largest"]]
+    between = [name for name in RIVALS if name not in sooner and name not in later]
+    medians = f"alone {_listed((t['median'] for t in times.values()), 2)} s"
+    if sooner:
+        return Finding(False, f"{medians}; sooner: {_ranges(times, sooner)}")
+    if between:
+        return Finding(None, f"{medians}; ranges overlap: {_ranges(times, between)}")
+    return Finding(True, f"{medians}; ranges apart")
+
+
+def _ranges(times: Found, names: Iterable[str]) -> str:
+    rows = ((name, times[name]) for name in (*names, PROPOSED))
+    return ", ".join(
+        f"{name.upper()} {row['least']:.3f} to {row['largest']:.3f}" for name, row in rows
+    )
 
 
 def _orders(case: Found) -> Finding:
-    """Hold when nearly every run of every algorithm has the shortest tour."""
-    shares = {n: case["algorithms"][n]["gap"]["optimal"]["value"] for n in ALGORITHMS}
-    if min(case["algorithms"][n]["runs"] for n in ALGORITHMS) < LEAST_RUNS:
-        return Finding(None, UNKNOWN)
-    numbers = ", ".join(f"{100 * share:.0f}" for share in shares.values())
-    return Finding(all(share >= SAME for share in shares.values()), f"shortest in {numbers} %")
+    """Hold when nearly every run of every algorithm has the shortest tour; fail by one."""
+    rows = {name: case["algorithms"][name] for name in ALGORITHMS}
+    shares = {name: row["gap"]["optimal"] for name, row in rows.items()}
+    numbers = f"shortest in {_listed((s['value'] for s in shares.values()), scale=100)} %"
+    known = [name for name, row in rows.items() if row["runs"] >= LEAST_RUNS]
+    if any(shares[name]["high"] < SAME for name in known):
+        return Finding(False, numbers)
+    few = _too_few({name: row["runs"] for name, row in rows.items()})
+    if few:
+        return Finding(None, f"{numbers}; {few}")
+    if any(share["value"] < SAME for share in shares.values()):
+        return Finding(None, f"{numbers}; intervals hold {100 * SAME:.0f} %")
+    return Finding(True, numbers)

@@ -16,6 +16,8 @@ from usvkernels.swarms.functions import TABLE_8
 
 DPI = 130
 _PUBLISHED_AT = 75  # place of the published values on an axis of iterations
+_ZERO_BELOW = 0.12  # room below the least value for zeros, as a share of the decades above it
+_LEAST_DECADE = -305.0  # of float64
 LOOKS = {
     "aco": style.Look(style.ORANGE, "--", "s"),
     "ga": style.Look(style.GREEN, "-.", "^"),
@@ -96,35 +98,60 @@ def fig16(results: Results) -> Figure:
 
 @style.styled
 def budgets(found: Mapping[str, Any]) -> Figure:
-    """Means against the number of iterations, and the published ones."""
+    """Means against the number of iterations, and the published ones.
+
+    Zeros, which a logarithmic axis has no place for, stand on a line of their own.
+    """
     fig, panels = _panels(len(found))
     for ax, (function, own) in zip(panels, found.items(), strict=True):
+        floor = _floor(function, own)
         for name, look in LOOKS.items():
             means = {ITERATIONS: own["printed"][name]["printed"]["mean"]}
             means |= {int(t): one["mean"] for t, one in own["longer"][name].items()}
-            shown = {t: mean for t, mean in means.items() if mean > 0}
             ax.plot(
-                list(shown),
-                list(shown.values()),
+                list(means),
+                [mean or floor for mean in means.values()],
                 color=look.colour,
                 linestyle=look.line,
                 marker=look.marker,
                 markersize=3.5,
             )
-            published = MEAN[function][name]
-            if published > 0:
-                ax.plot(
-                    [_PUBLISHED_AT],
-                    [published],
-                    color=look.colour,
-                    marker=look.marker,
-                    markersize=6,
-                    markerfacecolor="none",
-                    linestyle="none",
-                )
+            ax.plot(
+                [_PUBLISHED_AT],
+                [MEAN[function][name] or floor],
+                color=look.colour,
+                marker=look.marker,
+                markersize=6,
+                markerfacecolor="none",
+                linestyle="none",
+            )
         _budget_axes(ax, f"{function}, {TABLE_8[function].name}")
+        if floor:
+            _zero_line(ax, floor)
     _legend(fig, marker=True)
     return style.settle(fig)
+
+
+def _floor(function: str, own: Mapping[str, Any]) -> float | None:
+    """Where a logarithmic axis shows 0: well below all else; None where nothing is 0."""
+    values = [*MEAN[function].values()]
+    for name in LOOKS:
+        values.append(own["printed"][name]["printed"]["mean"])
+        values += [one["mean"] for one in own["longer"][name].values()]
+    above = np.log10([value for value in values if value > 0])
+    if len(above) == len(values):
+        return None
+    return float(10.0 ** max(above.min() - _ZERO_BELOW * np.ptp(above), _LEAST_DECADE))
+
+
+def _zero_line(ax: Axes, floor: float) -> None:
+    """Mark the place of 0, and no decade at it or below."""
+    low, high = ax.get_ylim()
+    ticks = [t for t in ax.get_yticks() if floor * 10 < t < high]
+    labels = [f"$\\mathdefault{{10^{{{round(np.log10(t))}}}}}$" for t in ticks]
+    ax.axhline(floor, color=style.GREY, linestyle=":", linewidth=0.9, zorder=0)
+    ax.set_yticks([floor, *ticks], ["0", *labels])
+    ax.set_ylim(low, high)
 
 
 def _budget_axes(ax: Axes, title: str) -> None:

@@ -5,7 +5,15 @@ from typing import Any
 
 from experiments.markdown import grid
 from experiments.yu2022.functions.compare import names
-from experiments.yu2022.functions.published import ALGORITHMS, DIM, ITERATIONS, MEAN, STD, WOLVES
+from experiments.yu2022.functions.published import (
+    ALGORITHMS,
+    DIM,
+    ITERATIONS,
+    MEAN,
+    RUNS,
+    STD,
+    WOLVES,
+)
 from experiments.yu2022.functions.verdicts import FACTOR
 from usvkernels.swarms.functions import TABLE_8
 
@@ -16,15 +24,36 @@ FIGURES = (
     f"`figures/fig16.png`: mean of the least value so far, {WOLVES} members and {ITERATIONS} "
     "iterations each.",
     "`figures/function_budgets.png`: mean least value against the number of iterations, beside "
-    "the published values.",
+    "the published values (open); a value of exactly 0 stands on the dotted line at the foot.",
     "`figures/function_shift.png`: median least value with the optimum at the origin and "
     "elsewhere.",
 )
-NOTE = (
-    f"The means: every one of the five within a factor of {FACTOR:g} of the published one. "
-    "Fastest: the lowest median after 50, 100 and 200 iterations. All from the first 30 runs, or "
-    "from all for the medians."
-)
+
+
+def note(found: Found) -> str:
+    """How to read the verdicts.
+
+    Args:
+        found: of `compare`.
+    """
+    few, many = _runs(found)
+    return (
+        f"The means: every one of the five within a factor of {FACTOR:g} of the published one. "
+        "Fastest: the lowest median after 50, 100 and 200 iterations. The means are those of the "
+        f"first {few} runs, the medians those of {many:,}."
+    )
+
+
+def counts(found: Found) -> str:
+    """How many runs there are; argument as of `note`."""
+    few, many = _runs(found)
+    return f"runs of each swarm on each function: {many:,}, on longer budgets {few}"
+
+
+def _runs(found: Found) -> tuple[int, int]:
+    """Runs that count as printed, and all."""
+    row = next(iter(found["functions"].values()))["printed"]["gwo"]
+    return row["printed"]["n"], row["all"]["n"]
 
 
 def readings() -> list[str]:
@@ -59,7 +88,9 @@ def summary(found: Found) -> list[str]:
         gwo, igwo = (tables["printed"][key]["all"]["median"] for key in ("gwo", "igwo"))
         longest = max(map(int, tables["longer"]["gwo"]))
         met = {
-            key: f"meets it with {own:,} iterations" if own else f"does not with up to {longest:,}"
+            key: f"meets it from {own:,} iterations on"
+            if own
+            else f"does not with up to {longest:,}"
             for key, own in tables["met_by_mean"].items()
         }
         lines.append(
@@ -151,14 +182,15 @@ def _budgets(found: Found) -> str:
         "Published mean",
         str(ITERATIONS),
         *(f"{int(t):,}" for t in budgets),
-        "Met at",
+        "Met from",
         "by the median",
     ]
     text = (
-        f"Mean least value of 30 runs at most, {WOLVES} members, against the number of iterations; "
-        "the first of these at which it, or the median, is no larger than the published mean. For "
-        "the wolves each number of iterations is a run of its own, since a(t) depends on it; where "
-        "a few runs end in a local optimum, as on f3 and f4, the mean says little else."
+        f"Mean least value of {RUNS} runs at most, {WOLVES} members, against the number of "
+        "iterations; the first of these from which on it, or the median, is no larger than the "
+        "published mean. For the wolves each number of iterations is a run of its own, since a(t) "
+        "depends on it; where a few runs end in a local optimum, as on f3 and f4, the mean says "
+        "little else."
     )
     return text + "\n\n" + grid(header, rows)
 

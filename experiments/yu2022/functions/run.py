@@ -27,11 +27,12 @@ def run(runs: int, seed: int, quick: bool) -> Part:
         title="Test functions: Tables 8 and 9, Figs. 2 and 16",
         found=found,
         verdicts=judge(found),
-        note=report.NOTE,
+        note=report.note(found),
         summary=report.summary(found),
         readings=report.readings(),
         text=report.tables(found),
         figures=report.FIGURES,
         draw=lambda into: draw(results, found, into),
+        counts=report.counts(found),
         done=f"{sum(job.runs for job in jobs):,} runs of swarms",
     )

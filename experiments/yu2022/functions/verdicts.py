@@ -3,14 +3,16 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from experiments.verdicts import UNKNOWN, Finding, Verdict, verdict
+from experiments.verdicts import Finding, Verdict
 from experiments.yu2022.functions.compare import CHECKPOINTS
 from experiments.yu2022.functions.published import ALGORITHMS, ITERATIONS, LAMBDAS, MEAN, PROPOSED
+from experiments.yu2022.parts import verdict
 from usvkernels.swarms.functions import TABLE_8
 
 FACTOR = 10.0
 """Up to which ours and the published mean are of one order."""
 LEAST_RUNS = 20
+TOO_FEW = "too few runs"
 NEAR_ZERO = 0.02
 """Share of its first value to which a(t) must have fallen to "tend to 0"."""
 READINGS = {"printed": "20 members, 200 iterations", "own": "the paper's own settings"}
@@ -59,7 +61,7 @@ def _enough(rows: Rows) -> bool:
 def _level(function: str, rows: Rows) -> Finding:
     """Hold when every mean lies within a factor of the published one."""
     if not _enough(rows):
-        return Finding(None, UNKNOWN)
+        return Finding(None, TOO_FEW)
     ours = {name: row["printed"]["mean"] for name, row in rows.items()}
     near = all(
         MEAN[function][name] / FACTOR <= mean <= MEAN[function][name] * FACTOR
@@ -70,7 +72,7 @@ def _level(function: str, rows: Rows) -> Finding:
 
 def _least(_: str, rows: Rows) -> Finding:
     if not _enough(rows):
-        return Finding(None, UNKNOWN)
+        return Finding(None, TOO_FEW)
     means = {name: row["printed"]["mean"] for name, row in rows.items()}
     return _ranked(means)
 
@@ -85,7 +87,7 @@ def _ranked(values: Mapping[str, float]) -> Finding:
 def _fastest(rows: Rows) -> Finding:
     """Hold when its median is the lowest early, half-way and at the end."""
     if not _enough(rows):
-        return Finding(None, UNKNOWN)
+        return Finding(None, TOO_FEW)
     places = []
     for mark in CHECKPOINTS:
         values = {name: row["at"][str(mark)] for name, row in rows.items()}

@@ -58,6 +58,11 @@ def summary(found: Found) -> list[str]:
     return lines
 
 
+def counts(found: Found) -> str:
+    """How many maps there are; argument as of `tables`."""
+    return f"maps of each kind for the heuristic: {found['maps']:,}"
+
+
 def _capital(text: str) -> str:
     return text[0].upper() + text[1:]
 

@@ -45,6 +45,7 @@ def run(maps: int, seed: int, quick: bool) -> Part:
         text=report.tables(found),
         figures=report.FIGURES,
         draw=lambda into: draw_figures(scenes[first], results[first], expanded, found, into),
+        counts=report.counts(found),
         done=f"{len(scenes) * len(HEURISTICS) * maps:,} episodes of D* Lite",
     )
 

@@ -17,22 +17,27 @@ from usvkernels.xla.stage import stage
 
 
 def run_gwo(
-    distances: Array, seed: Array, params: GwoParams, *, law: str, iterations: int, population: int
+    distances: Array,
+    seed: Array,
+    params: GwoParams,
+    *,
+    static: gwo.GwoStatic,
+    iterations: int,
+    population: int,
 ) -> tuple[Array, Array]:
-    """Search by grey wolves, whose three best ever lead (`swarms.gwo`).
+    """Search by grey wolves (`swarms.gwo`).
 
     Args:
       distances: float[d, d] or float[d, d, R], finite.
       seed: uint32[2, R].
       params: of the law "beta"; leaves numbers or float[R].
-      law: of a(t), one of `swarms.laws.LAWS`.
+      static: choices of method.
       iterations: T.
       population: wolves, 3 or more.
 
     Returns:
       int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
     """
-    static = gwo.GwoStatic(law=law)
     sizes = {"population": population, "iterations": iterations}
     return _tours(gwo.run(_objective(distances), _box(distances), seed, params, static, **sizes))
 
@@ -42,11 +47,14 @@ def run_cmpso(
     seed: Array,
     params: cmpso.CmpsoParams,
     *,
+    static: cmpso.CmpsoStatic,
     iterations: int,
     population: int,
 ) -> tuple[Array, Array]:
-    """Search by a chaos multi-population particle swarm (`swarms.cmpso`); as `run_gwo`."""
-    static = cmpso.CmpsoStatic()
+    """Search by a chaos multi-population particle swarm (`swarms.cmpso`); as `run_gwo`.
+
+    The population is a multiple of `static.swarms`.
+    """
     sizes = {"population": population, "iterations": iterations}
     return _tours(cmpso.run(_objective(distances), _box(distances), seed, params, static, **sizes))
 

@@ -4,8 +4,9 @@ A swap sequence turns one tour into another: position by position, the station t
 and the one that is there change places. A wolf takes, from the first to the third of its leaders, a
 stretch of the sequence towards it that begins anywhere and is the longer the less |A| of that
 leader is: at most a random share of (1 - |A|) (d - 1) positions, none where |A| >= 1. Then a random
-stretch of its tour turns round. It goes there only if its tour becomes no longer. The three best
-tours of the pack lead. Station 0 stays first, so that tours compare position by position.
+stretch of its tour turns round. It goes there only if its tour becomes no longer (`greedy`), and
+the three best tours of the pack lead (leaders "pack"), unless chosen otherwise. Station 0 stays
+first, so that tours compare position by position.
 
 Source of swap sequences: Wang et al. 2003 (particle swarms); of grey wolves with them, Sopto et al.
 2018, cited by Yu et al. 2022, whose own encoding is not printed. The rest is ours.
@@ -17,15 +18,24 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from usvkernels import draws
-from usvkernels.swarms.gwo import LEADERS
+from usvkernels.swarms.gwo import LEADERS, GwoStatic
 from usvkernels.swarms.laws import GwoParams, convergence
 from usvkernels.swarms.pack import lowest
 from usvkernels.tours.lengths import length, rank_of
 from usvkernels.xla.stage import stage
 
+_Tours = tuple[Array, Array]
+"""Tours int32[d, n, R] and their lengths float[n, R]."""
+
 
 def run(
-    distances: Array, seed: Array, params: GwoParams, *, law: str, iterations: int, population: int
+    distances: Array,
+    seed: Array,
+    params: GwoParams,
+    *,
+    static: GwoStatic,
+    iterations: int,
+    population: int,
 ) -> tuple[Array, Array]:
     """Search; population * (iterations + 1) tours in each run.
 
@@ -33,7 +43,7 @@ def run(
       distances: float[d, d] or float[d, d, R], finite.
       seed: uint32[2, R].
       params: of the law "beta"; leaves numbers or float[R].
-      law: of a(t), one of `swarms.laws.LAWS`.
+      static: choices of method; `greedy`, a wolf goes to a tour that is no longer than its own.
       iterations: T.
       population: wolves n, 3 or more.
 
@@ -43,21 +53,28 @@ def run(
     count = distances.shape[0]
     go = jnp.sum(distances) >= 0  # always, but a compiler does not know
     measured = partial(stage, go, partial(length, distances))
-    factors = convergence(law, iterations, params, distances.dtype)
+    factors = convergence(static.law, iterations, params, distances.dtype)
 
-    def step(carry: tuple[Array, Array], now: tuple[Array, Array]) -> tuple[tuple, Array]:
-        pack, value = carry
+    def step(carry: tuple[_Tours, _Tours], now: tuple[Array, Array]) -> tuple[tuple, Array]:
+        pack, kept = carry
         time, factor = now
-        new = stage(go, _moved, pack, _leaders(pack, value), seed, time, factor)
-        new_value = measured(new)
-        better = new_value <= value
-        pack, value = jnp.where(better, new, pack), jnp.where(better, new_value, value)
-        return (pack, value), jnp.min(value, axis=0)
+        leaders, _ = kept if static.leaders == "kept" else _best(pack)
+        new = stage(go, _moved, pack[0], leaders, seed, time, factor)
+        moved = new, measured(new)
+        kept = _best(_joined(kept, _best(moved)))
+        pack = _no_longer(moved, pack) if static.greedy else moved
+        return (pack, kept), jnp.min(known(pack, kept)[1], axis=0)
 
-    pack = stage(go, partial(_first_pack, shape=(count, population)), seed)
+    def known(pack: _Tours, kept: _Tours) -> _Tours:
+        """Tours of which one is the best ever: greedy wolves do not leave it."""
+        return pack if static.greedy else kept
+
+    order = stage(go, partial(_first_pack, shape=(count, population)), seed)
+    pack = order, measured(order)
     times = jnp.arange(1, iterations + 1)
-    (pack, value), history = lax.scan(step, (pack, measured(pack)), (times, factors))
-    return _leaders(pack, value)[:, 0], history
+    carry, history = lax.scan(step, (pack, _best(pack)), (times, factors))
+    best, _ = _best(known(*carry))
+    return best[:, 0], history
 
 
 def _first_pack(seed: Array, shape: tuple[int, int]) -> Array:
@@ -68,10 +85,21 @@ def _first_pack(seed: Array, shape: tuple[int, int]) -> Array:
     return rank_of(word.at[0].set(0))
 
 
-def _leaders(pack: Array, value: Array) -> Array:
-    """The three best of tours int32[d, n, R]; int32[d, 3, R]."""
-    _, index = lowest(value, LEADERS)
-    return jnp.take_along_axis(pack, index[None], axis=1)
+def _best(tours: _Tours) -> _Tours:
+    """The three shortest."""
+    order, value = tours
+    least, index = lowest(value, LEADERS)
+    return jnp.take_along_axis(order, index[None], axis=1), least
+
+
+def _joined(one: _Tours, other: _Tours) -> _Tours:
+    return jnp.concatenate([one[0], other[0]], axis=1), jnp.concatenate([one[1], other[1]])
+
+
+def _no_longer(new: _Tours, old: _Tours) -> _Tours:
+    """Of each wolf the new tour, unless it is longer than the old one."""
+    better = new[1] <= old[1]
+    return jnp.where(better, new[0], old[0]), jnp.where(better, new[1], old[1])
 
 
 def _moved(pack: Array, leaders: Array, seed: Array, time: Array, factor: Array) -> Array:
