@@ -38,7 +38,8 @@ class Legs:
     @property
     def symmetric(self) -> np.ndarray:
         """Of which problems all distances are the same in both directions; bool[B or 1]."""
-        return np.array([(one == one.T).all() for one in self.distances])
+        same: np.ndarray = self.distances == self.distances.transpose(0, 2, 1)
+        return np.asarray(same.all(axis=(1, 2)))
 
     def joined(self, closed: bool) -> np.ndarray:
         """Which problems may have a tour of finite length; bool[B or 1].
