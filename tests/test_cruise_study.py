@@ -281,13 +281,14 @@ def test_an_itinerary_is_the_cruise_stop_by_stop():
     order = [*sailed.order[0], 0]
     assert stops["station"].to_list() == order
     np.testing.assert_allclose(
-        stops.select("x", "y"), (posed.sites.stations[0][order] + 0.5) * CELL
+        stops.select("x_m", "y_m"), (posed.sites.stations[0][order] + 0.5) * CELL
     )
-    assert stops["straight"].sum() == pytest.approx(tour_lengths(legs["straight"], [order[:-1]])[0])
-    assert (stops["water"] >= stops["straight"] - 1e-9).all()
-    assert (stops["sailed"].diff()[1:] >= stops["straight"][1:] - 1e-9).all()
-    assert stops["sailed"][-1] == pytest.approx(sailed.smooth_length[0])
-    assert stops["time"][-1] == pytest.approx(sailed.smooth_time[0])
+    (straight,) = tour_lengths(legs["straight"], [order[:-1]])
+    assert stops["straight_m"].sum() == pytest.approx(straight)
+    assert (stops["water_m"] >= stops["straight_m"] - 1e-9).all()
+    assert (stops["sailed_m"].diff()[1:] >= stops["straight_m"][1:] - 1e-9).all()
+    assert stops["sailed_m"][-1] == pytest.approx(sailed.smooth_length[0])
+    assert stops["time_s"][-1] == pytest.approx(sailed.smooth_time[0])
 
 
 def test_an_itinerary_has_no_time_for_stops_given_up():
@@ -295,7 +296,7 @@ def test_an_itinerary_has_no_time_for_stops_given_up():
     stops = itinerary(posed, sailed, legs)
     came = stops["status"].is_in(["start", "reached"])
     assert 1 < came.sum() < len(stops)
-    assert (stops["time"].is_not_null() == came).all()
+    assert (stops["time_s"].is_not_null() == came).all()
     assert f"{sailed.visited[0].sum()} of {STATIONS} stations visited" in visits_words(sailed)
 
 

@@ -22,10 +22,10 @@ def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
     Returns:
         stop: number in the order of the cruise, 0 for home at the start;
         station: number in the order given, 0 for home;
-        x, y: m, where it lies;
+        x_m, y_m: where it lies;
         status: how the leg to it ended, in the words of `Status`;
-        straight, water: m, from the stop before;
-        sailed, time: m and s from the start on, along the track pulled straight; null where the
+        straight_m, water_m: from the stop before;
+        sailed_m, time_s: from the start on, along the track pulled straight; null where the
         vessel did not come to the stop.
     """
     order = np.append(sailed.order[0], 0)
@@ -39,19 +39,19 @@ def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
     columns = {
         "stop": np.arange(len(order)),
         "station": order,
-        "x": x,
-        "y": y,
+        "x_m": x,
+        "y_m": y,
         "status": ["start", *(Status(int(status)).name.lower() for status in leg_status)],
         **{
-            name: np.append(0.0, between[0][order[:-1], order[1:]])
+            f"{name}_m": np.append(0.0, between[0][order[:-1], order[1:]])
             for name, between in legs.items()
         },
-        "sailed": length[place],
-        "time": time[place],
+        "sailed_m": length[place],
+        "time_s": time[place],
     }
     come = pl.Series(step >= 0)
     return pl.DataFrame(columns).with_columns(
-        pl.when(come).then(pl.col(name)).alias(name) for name in ("sailed", "time")
+        pl.when(come).then(pl.col(name)).alias(name) for name in ("sailed_m", "time_s")
     )
 
 
