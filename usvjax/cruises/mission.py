@@ -136,9 +136,10 @@ def cruise(
         cell_size=cell_size,
         speed=speed,
     )
-    check_method(heuristic, weight, corner_cutting, None)
     if method == "dstar_lite":
         mission = check_heuristic(mission, heuristic, weight)
+    else:
+        check_method(heuristic, weight, corner_cutting, None)
     replanning = _replanning(mission, heuristic, weight, max_expansions, max_lanes)
     planner = _planner(mission, method, planner_options)
     first = first_run(first, len(mission))

@@ -10,15 +10,16 @@ from matplotlib.figure import Figure
 
 from usvjax.cruises import CruiseResult
 from usvjax.cruises.orders import DISTANCES
-from usvjax.maps import GridMap
 from usvjax.plots.cruise import duration_words, plot_cruise
 from usvjax.plots.distributions import both_reached
 from usvjax.plots.replays import check_same, payload_of, rows_of
 from usvjax.plots.route import length_words
 from usvjax.plots.route_study import Comparison, Panel, method_pages
+from usvjax.plots.style import status_name
 from usvjax.study import Run
 from usvjax.study.cruise_methods import (
     Posed,
+    first_map,
     leg_lengths,
     pose,
     sail,
@@ -79,9 +80,12 @@ def _example(
     head = run.labels[condition]
     if not head.startswith(run.name):
         head = f"{run.name}: {head}"
-    cell_size = posed.waters.cell_size
     legs = {
-        name: leg_lengths(posed.sites, cell_size, replace(posed.options, distances=name))
+        name: posed.legs
+        if name == posed.options.distances
+        else leg_lengths(
+            posed.sites, posed.waters.cell_size, replace(posed.options, distances=name)
+        )
         for name in DISTANCES
     }
     figure = _cruise_figure(posed, sailed, legs, f"{head}, {method}, job {job} ({why})")
@@ -91,8 +95,7 @@ def _example(
 def _cruise_figure(
     posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray], title: str
 ) -> Figure:
-    waters, options = posed.waters, posed.options
-    grid = waters.chart or GridMap(posed.sites.blocked[0], waters.cell_size, waters.origin)
+    options, grid = posed.options, first_map(posed)
     tour, words = _straight_tour(posed, legs)
     length, time = float(sailed.smooth_length[0]), float(sailed.smooth_time[0])
     facts = [visits_words(sailed), length_words(length)]
@@ -117,10 +120,9 @@ def _cruise_figure(
 def visits_words(sailed: CruiseResult) -> str:
     """How many stations there are; of a cruise that failed, how it ended and how many it saw."""
     count, seen = len(sailed.order[0]), int(sailed.visited[0].sum())
-    status = Status(int(sailed.status[0]))
-    if status == Status.REACHED:
+    if sailed.status[0] == Status.REACHED:
         return f"{count} stations"
-    return f"{status.name.replace('_', ' ')}, {seen} of {count} stations visited"
+    return f"{status_name(sailed.status[0])}, {seen} of {count} stations visited"
 
 
 def _straight_tour(posed: Posed, legs: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:

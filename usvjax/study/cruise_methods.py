@@ -14,6 +14,7 @@ from usvjax.cruises import CruiseResult, cruise
 from usvjax.cruises.inputs import Mission, check_heuristic, check_mission
 from usvjax.cruises.orders import DISTANCES, water_distances
 from usvjax.errors import BadInputError
+from usvjax.maps import GridMap
 from usvjax.study.cruise_waters import Sites, Waters
 from usvjax.tours import solve_tour
 
@@ -139,6 +140,12 @@ def pose(waters: Waters, options: CruiseOptions, seed: int, jobs: np.ndarray) ->
     sites = waters.draw(seed, jobs)
     legs = leg_lengths(sites, waters.cell_size, options)
     return Posed(waters, options, seed, jobs, sites, legs)
+
+
+def first_map(posed: Posed) -> GridMap:
+    """The map of the first cruise; a shared one as it was before it was inflated."""
+    waters = posed.waters
+    return waters.chart or GridMap(posed.sites.blocked[0], waters.cell_size, waters.origin)
 
 
 def leg_lengths(sites: Sites, cell_size: float, options: CruiseOptions) -> np.ndarray:

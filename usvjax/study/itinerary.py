@@ -6,7 +6,7 @@ import numpy as np
 import polars as pl
 
 from usvjax.cruises import CruiseResult
-from usvjax.study.cruise_methods import Posed
+from usvjax.study.cruise_methods import Posed, first_map
 from usvkernels.status import Status
 
 
@@ -29,7 +29,7 @@ def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
         vessel did not come to the stop.
     """
     order = np.append(sailed.order[0], 0)
-    x, y = _metres(posed, order).T
+    x, y = first_map(posed).points_of(posed.sites.stations[0][order]).T
     leg_status = sailed.leg_status[0]
     step = np.append(0, np.where(leg_status == int(Status.REACHED), sailed.leg_step[0], -1))
     length, time = _since_start(posed, sailed)
@@ -53,15 +53,6 @@ def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
     return pl.DataFrame(columns).with_columns(
         pl.when(come).then(pl.col(name)).alias(name) for name in ("sailed_m", "time_s")
     )
-
-
-def _metres(posed: Posed, order: np.ndarray) -> np.ndarray:
-    """Middles of the cells of stations in order, float64[d + 1, 2]."""
-    waters = posed.waters
-    middles: np.ndarray = np.asarray(waters.origin) + waters.cell_size * (
-        posed.sites.stations[0][order] + 0.5
-    )
-    return middles
 
 
 def _since_start(posed: Posed, sailed: CruiseResult) -> tuple[np.ndarray, np.ndarray]:
