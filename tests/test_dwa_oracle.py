@@ -152,6 +152,20 @@ def test_kernel_with_more_obstacles_than_it_unrolls() -> None:
     assert check(PAPER, case, kernel(PAPER, case), FLOAT32).mean() <= TIES
 
 
+def test_kernel_with_a_fine_window() -> None:
+    fine = replace(PAPER, n_v=21, v_step=0.002, n_w=41, w_step=PAPER.w_step / 4)
+    case = situations(np.random.default_rng(4), 900, 40, fine)
+    with enable_x64():
+        exact = kernel(fine, case)
+    assert not check(fine, case, exact, FLOAT64).any()
+    found = kernel(fine, case)  # 861 candidates lie closer to each other than single precision
+    moves = np.flatnonzero((exact.chosen >= 0) & (found.chosen >= 0))
+    assert len(moves) > 0.5 * len(case)
+    missed = exact.score[moves, exact.chosen[moves]] - exact.score[moves, found.chosen[moves]]
+    assert (missed[np.isfinite(missed)] < 1e-5).all()
+    assert np.isfinite(missed).mean() > 0.99
+
+
 def test_kernel_with_parameters_of_its_own_per_situation() -> None:
     several = [
         replace(PAPER, method="improved", radius=r, search_angle=a, heading_weight=h, dt=dt)

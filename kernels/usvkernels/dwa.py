@@ -16,6 +16,8 @@ from jax import Array
 from usvkernels.clearance import FAR, Scalar, centres, fold_blocks, in_sector, nearest_squared
 from usvkernels.trig import angle_between, sincos
 from usvkernels.vessel import Complex, complex_product, geometric_sum
+from usvkernels.xla.single import single
+from usvkernels.xla.stage import stage
 
 SLACK = 1e-3
 """Share of a candidate's step by which rounding may carry it past an edge."""
@@ -114,6 +116,7 @@ class Candidates:
     score: Array  # float[n_v, n_w, lanes], -inf where not admissible
 
 
+@partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
 class _Fan:
     """Predicted ends of the window, relative to the vessel, per unit of speed."""
@@ -122,6 +125,44 @@ class _Fan:
     heading: Complex  # [n_w, lanes], unit vector at the end
     first: Complex  # [n_w, lanes], unit vector of the first step
     turn: Complex  # [n_w, lanes], rotation of one step
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class _Resolution:
+    """What the parameters alone say about every window; leaves scalar, or [lanes] as these.
+
+    Whether a compiler fuses a product with the sum that it goes into, and so rounds once or
+    twice, differs between one parameter for all lanes and one for each. These products are
+    operands of the window, which leaves it only sums.
+    """
+
+    v_loss: Array  # m/s that the speed can lose in a control period
+    v_gain: Array
+    w_loss: Array  # rad/s
+    w_gain: Array
+    v_offset: Array  # [n_v, 1 or lanes], m/s above the lowest candidate
+    w_offset: Array  # [n_w, 1 or lanes], rad/s
+    v_slack: Array  # m/s past the window's edge that rounding may explain
+    w_slack: Array
+    turn: Complex  # [n_w, 1 or lanes], rotation of one step at w_offset
+
+
+def _resolution(params: DwaParams, static: DwaStatic, dtype: jnp.dtype) -> _Resolution:
+    p = jax.tree.map(partial(jnp.asarray, dtype=dtype), params)
+    w_offset = jnp.arange(static.n_w, dtype=dtype)[:, None]
+    sin, cos = sincos(w_offset * (p.w_step * p.dt))
+    return _Resolution(
+        v_loss=p.v_dec * p.dt,
+        v_gain=p.v_acc * p.dt,
+        w_loss=p.w_dec * p.dt,
+        w_gain=p.w_acc * p.dt,
+        v_offset=jnp.arange(static.n_v, dtype=dtype)[:, None] * p.v_step,
+        w_offset=w_offset * p.w_step,
+        v_slack=SLACK * p.v_step,
+        w_slack=SLACK * p.w_step,
+        turn=(cos, sin),
+    )
 
 
 def window(params: DwaParams, static: DwaStatic, v: Array, w: Array) -> tuple[Array, ...]:
@@ -135,31 +176,24 @@ def window(params: DwaParams, static: DwaStatic, v: Array, w: Array) -> tuple[Ar
       (v_i, inside_v, w_j, inside_w), the first two [n_v, lanes], the others [n_w, lanes]; a
       candidate past the window's upper edge is not inside.
     """
-    p = params
-    v_low, v_high = _reach(v, p.v_min, p.v_max, p.v_acc, p.v_dec, p.dt)
-    w_low, w_high = _reach(w, p.w_min, p.w_max, p.w_acc, p.w_dec, p.dt)
-    v_i = v_low + _steps(static.n_v, v.dtype) * p.v_step
-    w_j = w_low + _steps(static.n_w, w.dtype) * p.w_step
-    return v_i, v_i <= v_high + SLACK * p.v_step, w_j, w_j <= w_high + SLACK * p.w_step
+    return _window(params, _resolution(params, static, v.dtype), v, w)
 
 
-def _reach(
-    now: Array, low: Scalar, high: Scalar, gain: Scalar, loss: Scalar, dt: Scalar
-) -> tuple[Array, Array]:
-    return jnp.maximum(low, now - loss * dt), jnp.minimum(high, now + gain * dt)
+def _window(params: DwaParams, of: _Resolution, v: Array, w: Array) -> tuple[Array, ...]:
+    v_low = jnp.maximum(params.v_min, v - of.v_loss)
+    w_low = jnp.maximum(params.w_min, w - of.w_loss)
+    v_high = jnp.minimum(params.v_max, v + of.v_gain)
+    w_high = jnp.minimum(params.w_max, w + of.w_gain)
+    v_i, w_j = v_low + of.v_offset, w_low + of.w_offset
+    return v_i, v_i <= v_high + of.v_slack, w_j, w_j <= w_high + of.w_slack
 
 
-def _steps(n: int, dtype: jnp.dtype) -> Array:
-    return jnp.arange(n, dtype=dtype)[:, None]
-
-
-def _predict(params: DwaParams, static: DwaStatic, psi: Array, w_j: Array) -> _Fan:
+def _predict(params: DwaParams, static: DwaStatic, of: _Resolution, psi: Array, w_j: Array) -> _Fan:
     """Closed form of `horizon` Euler steps for all yaw rates of the window."""
     dt = params.dt
     sin, cos = sincos(psi)
     base_sin, base_cos = sincos(w_j[:1] * dt)
-    step_sin, step_cos = sincos(_steps(static.n_w, psi.dtype) * (params.w_step * dt))
-    turn = complex_product((base_cos, base_sin), (step_cos, step_sin))
+    turn = complex_product((base_cos, base_sin), of.turn)
     total, end = geometric_sum(turn, static.horizon)
     first: Complex = (jnp.broadcast_to(cos, turn[0].shape), jnp.broadcast_to(sin, turn[0].shape))
     heading = complex_product(first, end)
@@ -167,6 +201,22 @@ def _predict(params: DwaParams, static: DwaStatic, psi: Array, w_j: Array) -> _F
         first = complex_product(first, turn)
     chord = complex_product((first[0] * dt, first[1] * dt), total)
     return _Fan(chord, heading, first, turn)
+
+
+def _open_window(
+    params: DwaParams, static: DwaStatic, motion: Motion
+) -> tuple[tuple[Array, ...], _Fan]:
+    """The window and its prediction, apart from what uses them.
+
+    Otherwise XLA predicts anew for each of a yaw rate's speeds, in each use of the prediction.
+    """
+
+    def opened(of: _Resolution, motion: Motion) -> tuple[tuple[Array, ...], _Fan]:
+        commands = _window(params, of, motion.v, motion.w)
+        return commands, _predict(params, static, of, motion.psi, commands[2])
+
+    go = jnp.any(jnp.asarray(params.dt) > 0.0)  # it is, but the compiler cannot know
+    return stage(go, opened, _resolution(params, static, motion.v.dtype), motion)
 
 
 def _nearest_along(
@@ -246,8 +296,7 @@ def candidates(
       obstacles: float[2, K, lanes], centres (m); rows at FAR are padding.
       goal: float[2, lanes] (m).
     """
-    v_i, inside_v, w_j, inside_w = window(params, static, motion.v, motion.w)
-    fan = _predict(params, static, motion.psi, w_j)
+    (v_i, inside_v, w_j, inside_w), fan = _open_window(params, static, motion)
     position = jnp.stack([motion.x, motion.y])
     dist = _clearance(params, static, obstacles - position[:, None], v_i, fan)
     east, north = v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1]
@@ -266,7 +315,7 @@ def candidates(
     closeness = dist
     if static.clearance_score == "reciprocal":
         closeness = -1.0 / (dist + params.radius)
-    parts = jnp.stack([jnp.pi - error, closeness, jnp.broadcast_to(v_i[:, None], dist.shape)])
+    parts = (jnp.pi - error, closeness, v_i[:, None])
     heading, clearance, velocity = _normalised(static, parts, admissible)
     score = (
         params.heading_weight * heading
@@ -295,8 +344,7 @@ def predicted_paths(params: DwaParams, static: DwaStatic, motion: Motion) -> Arr
     Returns:
       float[n_v, n_w, horizon + 1, lanes, 2] (m).
     """
-    v_i, _, w_j, _ = window(params, static, motion.v, motion.w)
-    fan = _predict(params, static, motion.psi, w_j)
+    (v_i, _, w_j, _), fan = _open_window(params, static, motion)
     origin = jnp.zeros((*w_j.shape, 2), w_j.dtype)
     dt = jnp.asarray(params.dt, w_j.dtype)[..., None]
 
@@ -311,40 +359,60 @@ def predicted_paths(params: DwaParams, static: DwaStatic, motion: Motion) -> Arr
     return position + v_i[:, None, None, :, None] * relative
 
 
-def _normalised(static: DwaStatic, parts: Array, admissible: Array) -> Array:
-    """Scores [3, n_v, n_w, lanes] made comparable over the admissible candidates of a lane."""
+def _normalised(
+    static: DwaStatic, parts: tuple[Array, ...], admissible: Array
+) -> tuple[Array, ...]:
+    """Scores [n_v, n_w or 1, lanes] made comparable over the admissible candidates of a lane."""
     if static.normalise == "none":
         return parts
     if static.normalise == "sum":
-        total = _sum_in_order(jnp.where(admissible, jnp.abs(parts), 0.0))
-        return parts * jnp.where(total > 0.0, 1.0 / total, 0.0)[:, None, None]
-    low = jnp.min(jnp.where(admissible, parts, jnp.inf), axis=(1, 2))[:, None, None]
-    high = jnp.max(jnp.where(admissible, parts, -jnp.inf), axis=(1, 2))[:, None, None]
-    return (parts - low) * jnp.where(high > low, 1.0 / (high - low), 0.0)
+        scales = single(_scales, parts, admissible)
+        return tuple(part * scale for part, scale in zip(parts, scales, strict=True))
+    return tuple(_in_range(part, admissible) for part in parts)
 
 
-def _sum_in_order(values: Array) -> Array:
-    """Sum [3, n_v, n_w, lanes] over the candidates, always in the same order.
+def _in_range(part: Array, admissible: Array) -> Array:
+    low = jnp.min(jnp.where(admissible, part, jnp.inf), axis=(0, 1))
+    high = jnp.max(jnp.where(admissible, part, -jnp.inf), axis=(0, 1))
+    return (part - low) * jnp.where(high > low, 1.0 / (high - low), 0.0)
+
+
+def _scales(parts: tuple[Array, ...], admissible: Array) -> list[Array]:
+    """One over the sum of each part's magnitudes; the sum is always taken in the same order.
 
     XLA's reduction picks its order by the number of lanes, and one job in a thousand then ends
     another way in 1,024 lanes than in 256.
     """
 
-    def add(j: Array, total: Array) -> Array:
-        for i in range(values.shape[1]):
-            total = total + values[:, i, j]
-        return total
+    def add(j: Array, totals: tuple[Array, ...]) -> tuple[Array, ...]:
+        for i in range(admissible.shape[0]):
+            counted = (
+                jnp.where(admissible[i, j], jnp.abs(part[i, j % part.shape[1]]), 0.0)
+                for part in parts
+            )
+            totals = tuple(map(jnp.add, totals, counted))
+        return totals
 
-    return jax.lax.fori_loop(0, values.shape[2], add, jnp.zeros_like(values[:, 0, 0]))
+    zero = jnp.zeros_like(parts[0][0, 0])
+    totals = jax.lax.fori_loop(0, admissible.shape[1], add, (zero,) * len(parts))
+    return [jnp.where(total > 0.0, 1.0 / total, 0.0) for total in totals]
 
 
 def choose(found: Candidates) -> tuple[Array, Array]:
     """Index i * n_w + j of the best candidate, the lowest of equals, and whether there is one."""
-    n_v, n_w, _ = found.score.shape
-    best = jnp.max(found.score, axis=(0, 1))
-    index = jnp.arange(n_v * n_w).reshape(n_v, n_w, 1)
-    chosen = jnp.min(jnp.where(found.score == best, index, n_v * n_w - 1), axis=(0, 1))
-    return chosen, jnp.isfinite(best)
+    return single(_best, found.score)
+
+
+def _best(score: Array) -> tuple[Array, Array]:
+    score = score.reshape(-1, score.shape[-1])
+
+    def better(k: Array, best: tuple[Array, Array]) -> tuple[Array, Array]:
+        higher = score[k] > best[0]
+        return jnp.where(higher, score[k], best[0]), jnp.where(higher, k, best[1])
+
+    first = (score[0], jnp.zeros(score.shape[1], jnp.int32))
+    best, index = jax.lax.fori_loop(1, score.shape[0], better, first)
+    return index, jnp.isfinite(best)
 
 
 def decide(
@@ -353,8 +421,7 @@ def decide(
     """Speed and yaw rate to execute next (m/s, rad/s), float[lanes]; arguments as `candidates`."""
     found = candidates(params, static, motion, obstacles, goal)
     chosen, any_admissible = choose(found)
-    column = chosen % static.n_w
-    row = (chosen - column) // static.n_w
+    row, column = chosen // static.n_w, chosen % static.n_w
     v = found.v[0] + row.astype(motion.v.dtype) * params.v_step
     w = found.w[0] + column.astype(motion.w.dtype) * params.w_step
     blocked_v, blocked_w = _when_blocked(params, static, motion, goal)

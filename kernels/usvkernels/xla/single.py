@@ -23,6 +23,10 @@ def single(fn: Callable[..., Out], *args: Any) -> Out:
     faster. Worth it for bodies of about 1,000 elements or less, on one thread. An XLA that does
     not know the attribute ignores it; on other devices this is fn(*args).
 
+    What XLA cannot compile in this way ends the process instead of raising (jaxlib 0.10): a large
+    reduction, which it hands to a library; a loop whose body is heavy enough for its thread pool;
+    an argument that is a slice of another array. Loops over rows of whole arrays are safe.
+
     Args:
       fn: pure; arrays that it closes over are constants.
       args: its arguments.
