@@ -39,7 +39,9 @@ def nearest_squared(
 
 def centres(obstacles: Array) -> list[Complex]:
     """The obstacles [2, K, lanes] one by one, K times [lanes] and [lanes]."""
-    return [(obstacles[0, k], obstacles[1, k]) for k in range(obstacles.shape[1])]
+    count, lanes = obstacles.shape[1:]
+    rows = jnp.unstack(obstacles.reshape(2 * count, lanes))  # slices of one array cost no copy
+    return list(zip(rows[:count], rows[count:], strict=True))
 
 
 @jax.jit  # traced once for all obstacles of an unrolled chain, and inlined again by XLA

@@ -211,12 +211,17 @@ def _open_window(
     Otherwise XLA predicts anew for each of a yaw rate's speeds, in each use of the prediction.
     """
 
-    def opened(of: _Resolution, motion: Motion) -> tuple[tuple[Array, ...], _Fan]:
-        commands = _window(params, of, motion.v, motion.w)
-        return commands, _predict(params, static, of, motion.psi, commands[2])
-
     go = jnp.any(jnp.asarray(params.dt) > 0.0)  # it is, but the compiler cannot know
-    return stage(go, opened, _resolution(params, static, motion.v.dtype), motion)
+    of = _resolution(params, static, motion.v.dtype)
+    return stage(go, partial(_opened, static), params, of, motion)
+
+
+@partial(jax.jit, static_argnums=0)  # traced once for all branches of the stage
+def _opened(
+    static: DwaStatic, params: DwaParams, of: _Resolution, motion: Motion
+) -> tuple[tuple[Array, ...], _Fan]:
+    commands = _window(params, of, motion.v, motion.w)
+    return commands, _predict(params, static, of, motion.psi, commands[2])
 
 
 def _nearest_along(
@@ -377,6 +382,7 @@ def _in_range(part: Array, admissible: Array) -> Array:
     return (part - low) * jnp.where(high > low, 1.0 / (high - low), 0.0)
 
 
+@jax.jit
 def _scales(parts: tuple[Array, ...], admissible: Array) -> list[Array]:
     """One over the sum of each part's magnitudes; the sum is always taken in the same order.
 
@@ -385,11 +391,10 @@ def _scales(parts: tuple[Array, ...], admissible: Array) -> list[Array]:
     """
 
     def add(j: Array, totals: tuple[Array, ...]) -> tuple[Array, ...]:
+        among = _at(admissible, j, axis=1)
+        columns = [_at(part, j if part.shape[1] > 1 else 0, axis=1) for part in parts]
         for i in range(admissible.shape[0]):
-            counted = (
-                jnp.where(admissible[i, j], jnp.abs(part[i, j % part.shape[1]]), 0.0)
-                for part in parts
-            )
+            counted = (jnp.where(among[i], jnp.abs(column[i]), 0.0) for column in columns)
             totals = tuple(map(jnp.add, totals, counted))
         return totals
 
@@ -398,17 +403,22 @@ def _scales(parts: tuple[Array, ...], admissible: Array) -> list[Array]:
     return [jnp.where(total > 0.0, 1.0 / total, 0.0) for total in totals]
 
 
+_at = partial(jax.lax.dynamic_index_in_dim, keepdims=False, allow_negative_indices=False)
+
+
 def choose(found: Candidates) -> tuple[Array, Array]:
     """Index i * n_w + j of the best candidate, the lowest of equals, and whether there is one."""
     return single(_best, found.score)
 
 
+@jax.jit
 def _best(score: Array) -> tuple[Array, Array]:
     score = score.reshape(-1, score.shape[-1])
 
     def better(k: Array, best: tuple[Array, Array]) -> tuple[Array, Array]:
-        higher = score[k] > best[0]
-        return jnp.where(higher, score[k], best[0]), jnp.where(higher, k, best[1])
+        row = _at(score, k, axis=0)
+        higher = row > best[0]
+        return jnp.where(higher, row, best[0]), jnp.where(higher, k, best[1])
 
     first = (score[0], jnp.zeros(score.shape[1], jnp.int32))
     best, index = jax.lax.fori_loop(1, score.shape[0], better, first)
