@@ -19,6 +19,8 @@ from usvkernels.vessel import Complex, complex_product, geometric_sum
 from usvkernels.xla.single import single
 from usvkernels.xla.stage import stage
 
+_at = partial(jax.lax.dynamic_index_in_dim, keepdims=False, allow_negative_indices=False)
+
 SLACK = 1e-3
 """Share of a candidate's step by which rounding may carry it past an edge."""
 
@@ -210,7 +212,6 @@ def _open_window(
 
     Otherwise XLA predicts anew for each of a yaw rate's speeds, in each use of the prediction.
     """
-
     go = jnp.any(jnp.asarray(params.dt) > 0.0)  # it is, but the compiler cannot know
     of = _resolution(params, static, motion.v.dtype)
     return stage(go, partial(_opened, static), params, of, motion)
@@ -401,9 +402,6 @@ def _scales(parts: tuple[Array, ...], admissible: Array) -> list[Array]:
     zero = jnp.zeros_like(parts[0][0, 0])
     totals = jax.lax.fori_loop(0, admissible.shape[1], add, (zero,) * len(parts))
     return [jnp.where(total > 0.0, 1.0 / total, 0.0) for total in totals]
-
-
-_at = partial(jax.lax.dynamic_index_in_dim, keepdims=False, allow_negative_indices=False)
 
 
 def choose(found: Candidates) -> tuple[Array, Array]:
