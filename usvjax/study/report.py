@@ -142,9 +142,14 @@ def _outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
 
 def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
     success, *failures = _endings(summary)
+    methods = [method for condition in summary["conditions"] for method in condition["methods"]]
     if sum(map(len, failures)) > _ROOM_FOR_FAILURES:
-        failures = [name for name in failures if _happened(summary, name)]
-    counted = [m for m in summary["study"]["counted"] if _counted_any(summary, m["name"])]
+        failures = [e for e in failures if any(m["statuses"][e]["count"] for m in methods)]
+    counted = [
+        metric
+        for metric in summary["study"]["counted"]
+        if any(m["counted"][metric["name"]] for m in methods)
+    ]
     rows = []
     for condition in summary["conditions"]:
         for place, method in enumerate(condition["methods"]):
@@ -162,24 +167,6 @@ def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]
         rows.append([])
     means = [f"{_label(metric)}, mean" for metric in counted]
     return ["Condition", "Method", "Episodes", *map(_words, (success, *failures)), *means], rows
-
-
-def _happened(summary: dict[str, Any], ending: str) -> bool:
-    """Whether any episode of the study ended so."""
-    return any(
-        method["statuses"][ending]["count"]
-        for condition in summary["conditions"]
-        for method in condition["methods"]
-    )
-
-
-def _counted_any(summary: dict[str, Any], name: str) -> bool:
-    """Whether a count over all episodes is above 0 anywhere in the study."""
-    return any(
-        method["counted"][name]
-        for condition in summary["conditions"]
-        for method in condition["methods"]
-    )
 
 
 def _own_averages(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
