@@ -13,7 +13,7 @@ from usvjax.devices import COMPILER_OPTIONS
 from usvjax.navigate import CHUNK
 from usvjax.scene import set_scene
 from usvkernels import episodes, lanes
-from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.episodes import Jobs, Outcome
 
 TITLE = "lanes refilled against lanes that wait"

@@ -6,7 +6,7 @@ import numpy as np
 
 from usvjax.navigate import NavigateResult, navigate_dwa
 from usvjax.study.scenarios import LatticeMaps
-from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.status import Status
 
 SEED = 2022

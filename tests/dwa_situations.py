@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from benchmarks.peers import Settings, dwa_numpy
 from usvkernels import dwa
+from usvkernels.dwa_params import DwaParams, DwaStatic
 
 Floats = npt.NDArray[np.float64]
 
@@ -103,8 +104,8 @@ def situations(rng: np.random.Generator, n: int, k: int, s: Settings) -> Situati
 
 @partial(jax.jit, static_argnums=1)
 def weigh(
-    params: dwa.DwaParams,
-    static: dwa.DwaStatic,
+    params: DwaParams,
+    static: DwaStatic,
     motion: dwa.Motion,
     obstacles: jax.Array,
     goal: jax.Array,
@@ -113,18 +114,16 @@ def weigh(
     return found, dwa.choose(found), dwa.decide(params, static, motion, obstacles, goal)
 
 
-def parameters(s: Settings) -> tuple[dwa.DwaParams, dwa.DwaStatic]:
+def parameters(s: Settings) -> tuple[DwaParams, DwaStatic]:
     """Say to the kernel what the settings say to the peers."""
     numbers, choices = (
         {f.name: getattr(s, f.name) for f in fields(kind) if hasattr(s, f.name)}
-        for kind in (dwa.DwaParams, dwa.DwaStatic)
+        for kind in (DwaParams, DwaStatic)
     )
-    return dwa.DwaParams(**numbers), dwa.DwaStatic(**choices)
+    return DwaParams(**numbers), DwaStatic(**choices)
 
 
-def kernel(
-    s: Settings, case: Situations, params: dwa.DwaParams | None = None
-) -> dwa_numpy.Decision:
+def kernel(s: Settings, case: Situations, params: DwaParams | None = None) -> dwa_numpy.Decision:
     """Lay out what the kernel finds as the oracle does, in the arithmetic that JAX is set to.
 
     `params`, where given, replaces the numbers of `s`; its leaves may hold one value per situation.

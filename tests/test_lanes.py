@@ -10,7 +10,7 @@ import pytest
 
 import usvjax as uj
 from usvkernels import episodes, lanes
-from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.episodes import Jobs, Outcome
 
 MAX_STEPS = 60

@@ -11,7 +11,7 @@ from usvjax import tours
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.swarms import minimising as module
 from usvjax.swarms.minimising import minimise
-from usvkernels.dwa import DwaParams
+from usvkernels.dwa_params import DwaParams
 from usvkernels.swarms.aco import AcoParams, AcoStatic
 from usvkernels.swarms.cmpso import CmpsoParams, CmpsoStatic
 from usvkernels.swarms.functions import sphere

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from usvjax.study import load_run, run_study
     from usvjax.swarms import MinimiseResult, minimise
     from usvjax.tours import TourResult, optimal_tour, solve_tour, tour_length
-    from usvkernels.dwa import DwaParams, DwaStatic
+    from usvkernels.dwa_params import DwaParams, DwaStatic
     from usvkernels.paths.tracking import TrackParams
     from usvkernels.paths.turning import Turn
     from usvkernels.status import Status
@@ -157,7 +157,7 @@ _HOME = {
     "usvjax.navigate": ("DwaCandidates", "NavigateResult", "dwa_candidates", "navigate_dwa"),
     "usvjax.presets": ("PRESETS", "DwaPreset", "fit_window", "preset"),
     "usvjax.study": ("load_run", "run_study"),
-    "usvkernels.dwa": ("DwaParams", "DwaStatic"),
+    "usvkernels.dwa_params": ("DwaParams", "DwaStatic"),
     "usvkernels.status": ("Status",),
 }
 

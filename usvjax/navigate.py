@@ -14,7 +14,7 @@ from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.presets import check_dwa
 from usvjax.scene import Scene, padded, set_scene
 from usvkernels import dwa, episodes, lanes
-from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.episodes import Jobs, Outcome
 from usvkernels.lanes import LEAST_LANES
 

@@ -12,7 +12,7 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, obstacle_table
 from usvjax.presets import check_dwa
 from usvkernels.clearance import FAR
-from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.episodes import Charted, Jobs
 
 ROWS_AT_ONCE = 8192  # of a check that would need an array of all rows times all obstacles

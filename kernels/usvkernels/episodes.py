@@ -8,7 +8,8 @@ import jax.numpy as jnp
 from jax import Array
 
 from usvkernels.clearance import FAR, nearest_distance
-from usvkernels.dwa import DwaParams, DwaStatic, Motion, decide
+from usvkernels.dwa import Motion, decide
+from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.lanes import Program
 from usvkernels.status import Status
 from usvkernels.vessel import unicycle_step

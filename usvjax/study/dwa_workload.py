@@ -1,8 +1,8 @@
 """Studies of kind "dwa": closed-loop episodes of the dynamic window approach.
 
 `[maps]` says where episodes take place (`source = "lattice"`, "random" or "grid"), `[params]`
-holds `usvkernels.dwa.DwaParams` and may start from a `preset`, `[static]` holds
-`usvkernels.dwa.DwaStatic`. The study's `methods` take the place of `static.method`.
+holds `usvkernels.dwa_params.DwaParams` and may start from a `preset`, `[static]` holds
+`usvkernels.dwa_params.DwaStatic`. The study's `methods` take the place of `static.method`.
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.waters import GridMaps, Water
 from usvjax.study.workload import Metric, Prepared
-from usvkernels.dwa import DwaParams, DwaStatic
+from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.status import EPISODE_ENDINGS, Status
 
 DEFAULT_PRESET = "tan2022"
