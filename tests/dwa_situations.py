@@ -109,7 +109,7 @@ def weigh(
     motion: dwa.Motion,
     obstacles: jax.Array,
     goal: jax.Array,
-) -> tuple[dwa.Candidates, tuple[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]:
+) -> tuple[dwa.Candidates, tuple[jax.Array, ...], tuple[jax.Array, jax.Array]]:
     found = dwa.candidates(params, static, motion, obstacles, goal)
     return found, dwa.choose(found), dwa.decide(params, static, motion, obstacles, goal)
 
@@ -135,13 +135,13 @@ def kernel(s: Settings, case: Situations, params: DwaParams | None = None) -> dw
     centres = np.where(case.valid[:, :, None], case.obstacles, dwa.FAR).transpose(2, 1, 0)
     goal = jnp.asarray(case.goals.T, real)
     result = weigh(params or numbers, static, motion, jnp.asarray(centres, real), goal)
-    found, (chosen, some), command = jax.tree.map(np.asarray, result)
+    found, (row, column, some), command = jax.tree.map(np.asarray, result)
 
     def flat(a: npt.NDArray) -> npt.NDArray:
         return np.broadcast_to(a, found.score.shape).reshape(s.n_v * s.n_w, len(case)).T
 
     return dwa_numpy.Decision(
-        chosen=np.where(some, chosen, -1),
+        chosen=np.where(some, row * static.n_w + column, -1),
         command=np.stack(command, axis=1),
         v=flat(found.v[:, None]),
         w=flat(found.w[None]),

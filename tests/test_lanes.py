@@ -45,6 +45,7 @@ def counting(targets: np.ndarray) -> lanes.Program:
         step=step,
         done=lambda state: state.steps >= state.target,
         result=lambda state: {"steps": state.steps, "seen": state.seen.T},
+        taken=lambda state: state.steps,
     )
 
 

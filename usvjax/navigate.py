@@ -160,8 +160,7 @@ def dwa_candidates(
     found, paths, command = _open_up(
         params, static, motion, centres, jnp.asarray(target[:, None], jnp.float32)
     )
-    index, any_admissible = dwa.choose(found)
-    i, j = divmod(int(index[0]), static.n_w)
+    row, column, any_admissible = dwa.choose(found)
     return DwaCandidates(
         v=np.asarray(found.v[:, 0]),
         w=np.asarray(found.w[:, 0]),
@@ -170,7 +169,7 @@ def dwa_candidates(
         clearance=np.asarray(found.clearance[..., 0]),
         admissible=np.asarray(found.admissible[..., 0]),
         score=np.asarray(found.score[..., 0]),
-        chosen=(i, j) if bool(any_admissible[0]) else None,
+        chosen=(int(row[0]), int(column[0])) if bool(any_admissible[0]) else None,
         command=(float(command[0][0]), float(command[1][0])),
     )
 

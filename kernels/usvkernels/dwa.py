@@ -124,14 +124,22 @@ def _window(params: DwaParams, of: _Resolution, v: Array, w: Array) -> tuple[Arr
     return v_i, v_i <= v_high + of.v_slack, w_j, w_j <= w_high + of.w_slack
 
 
-def _predict(params: DwaParams, static: DwaStatic, of: _Resolution, psi: Array, w_j: Array) -> _Fan:
-    """Closed form of `horizon` Euler steps for all yaw rates of the window."""
+@partial(jax.jit, static_argnums=0)  # traced once for all branches of a stage
+def _predict(
+    static: DwaStatic, params: DwaParams, of: _Resolution, bow: Complex, base: Complex
+) -> _Fan:
+    """Closed form of `horizon` Euler steps for all yaw rates of the window.
+
+    Args:
+      static, params, of: of the method.
+      bow: unit vector of the present heading.
+      base: rotation of one step at the window's lowest yaw rate.
+    """
     dt = params.dt
-    sin, cos = sincos(psi)
-    base_sin, base_cos = sincos(w_j[:1] * dt)
-    turn = complex_product((base_cos, base_sin), of.turn)
+    turn = complex_product(base, of.turn)
     total, end = geometric_sum(turn, static.horizon)
-    first: Complex = (jnp.broadcast_to(cos, turn[0].shape), jnp.broadcast_to(sin, turn[0].shape))
+    shape = turn[0].shape
+    first: Complex = (jnp.broadcast_to(bow[0], shape), jnp.broadcast_to(bow[1], shape))
     heading = complex_product(first, end)
     if static.heading_first:
         first = complex_product(first, turn)
@@ -139,24 +147,29 @@ def _predict(params: DwaParams, static: DwaStatic, of: _Resolution, psi: Array, 
     return _Fan(chord, heading, first, turn)
 
 
+@jax.jit  # as `_predict`
+def _commands(
+    params: DwaParams, of: _Resolution, motion: Motion
+) -> tuple[tuple[Array, ...], Complex, Complex]:
+    """The window, and the last two arguments of `_predict`."""
+    commands = _window(params, of, motion.v, motion.w)
+    sin, cos = sincos(motion.psi)
+    base_sin, base_cos = sincos(commands[2][0] * params.dt)
+    return commands, (cos, sin), (base_cos, base_sin)
+
+
 def _open_window(
     params: DwaParams, static: DwaStatic, motion: Motion
 ) -> tuple[tuple[Array, ...], _Fan]:
     """The window and its prediction, apart from what uses them.
 
-    Otherwise XLA predicts anew for each of a yaw rate's speeds, in each use of the prediction.
+    Otherwise XLA takes a vessel's sines anew for each yaw rate, and predicts anew for each of a
+    yaw rate's speeds, in each use of the prediction.
     """
     go = jnp.any(jnp.asarray(params.dt) > 0.0)  # it is, but the compiler cannot know
     of = _resolution(params, static, motion.v.dtype)
-    return stage(go, partial(_opened, static), params, of, motion)
-
-
-@partial(jax.jit, static_argnums=0)  # traced once for all branches of the stage
-def _opened(
-    static: DwaStatic, params: DwaParams, of: _Resolution, motion: Motion
-) -> tuple[tuple[Array, ...], _Fan]:
-    commands = _window(params, of, motion.v, motion.w)
-    return commands, _predict(params, static, of, motion.psi, commands[2])
+    commands, bow, base = stage(go, _commands, params, of, motion)
+    return commands, stage(go, partial(_predict, static), params, of, bow, base)
 
 
 def _nearest_along(
@@ -338,23 +351,25 @@ def _scales(parts: tuple[Array, ...], admissible: Array) -> list[Array]:
     return [jnp.where(total > 0.0, 1.0 / total, 0.0) for total in totals]
 
 
-def choose(found: Candidates) -> tuple[Array, Array]:
-    """Index i * n_w + j of the best candidate, the lowest of equals, and whether there is one."""
+def choose(found: Candidates) -> tuple[Array, Array, Array]:
+    """Row and column of the best candidate, the first of equals, and whether there is one."""
     return single(_best, found.score)
 
 
 @jax.jit
-def _best(score: Array) -> tuple[Array, Array]:
-    score = score.reshape(-1, score.shape[-1])
+def _best(score: Array) -> tuple[Array, Array, Array]:
+    n_v, n_w, lanes = score.shape
 
-    def better(k: Array, best: tuple[Array, Array]) -> tuple[Array, Array]:
-        row = _at(score, k, axis=0)
-        higher = row > best[0]
-        return jnp.where(higher, row, best[0]), jnp.where(higher, k, best[1])
+    def better(i: Array, best: tuple[Array, Array]) -> tuple[Array, Array]:
+        row = _at(score, i, axis=0)
+        for j in range(n_w):
+            higher = row[j] > best[0]
+            best = jnp.where(higher, row[j], best[0]), jnp.where(higher, i * n_w + j, best[1])
+        return best
 
-    first = (score[0], jnp.zeros(score.shape[1], jnp.int32))
-    best, index = jax.lax.fori_loop(1, score.shape[0], better, first)
-    return index, jnp.isfinite(best)
+    first = (jnp.full(lanes, -jnp.inf, score.dtype), jnp.zeros(lanes, jnp.int32))
+    best, index = jax.lax.fori_loop(0, n_v, better, first)
+    return index // n_w, index % n_w, jnp.isfinite(best)
 
 
 def decide(
@@ -362,8 +377,7 @@ def decide(
 ) -> tuple[Array, Array]:
     """Speed and yaw rate to execute next (m/s, rad/s), float[lanes]; arguments as `candidates`."""
     found = candidates(params, static, motion, obstacles, goal)
-    chosen, any_admissible = choose(found)
-    row, column = chosen // static.n_w, chosen % static.n_w
+    row, column, any_admissible = choose(found)
     v = found.v[0] + row.astype(motion.v.dtype) * params.v_step
     w = found.w[0] + column.astype(motion.w.dtype) * params.w_step
     blocked_v, blocked_w = _when_blocked(params, static, motion, goal)

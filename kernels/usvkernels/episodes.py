@@ -88,7 +88,10 @@ def program(jobs: Jobs, params: DwaParams, static: DwaStatic) -> Program:
     def result(episode: Episode) -> Outcome:
         return _outcome(replace(params, **episode.swept), episode)
 
-    return Program(start=start, step=step, done=_ended, result=result)
+    def taken(episode: Episode) -> Array:
+        return episode.steps
+
+    return Program(start=start, step=step, done=_ended, result=result, taken=taken)
 
 
 def _start(jobs: Jobs, params: DwaParams, swept: dict[str, Array], job: Array) -> Episode:

@@ -34,12 +34,14 @@ class Program:
         that it passes on untouched cost nothing.
       done: state -> bool[lanes]; must come true after some number of steps.
       result: state -> pytree of [lanes, ...] arrays (lanes first: these are rows of a table).
+      taken: state -> int32[lanes], steps that advanced the job so far.
     """
 
     start: Callable[[Array], Tree]
     step: Callable[[Tree], Tree]
     done: Callable[[Tree], Array]
     result: Callable[[Tree], Tree]
+    taken: Callable[[Tree], Array]
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -244,10 +246,9 @@ def keep(mask: Array, old: Tree, new: Tree) -> Tree:
 def _advance(program: Program, state: Tree, live: Array, chunk: int) -> tuple[Tree, Array]:
     """Advance all lanes by a chunk; also the number of lane-steps that did something."""
 
-    def advance(_: Array, carry: tuple[Tree, Array]) -> tuple[Tree, Array]:
-        state, busy = carry
-        done = program.done(state)
-        busy = busy + jnp.sum(live & ~done, dtype=jnp.int32)
-        return keep(done, state, program.step(state)), busy
+    def advance(_: Array, state: Tree) -> Tree:
+        return keep(program.done(state), state, program.step(state))
 
-    return jax.lax.fori_loop(0, chunk, advance, (state, jnp.int32(0)))
+    before = program.taken(state)
+    state = jax.lax.fori_loop(0, chunk, advance, state)
+    return state, jnp.sum(jnp.where(live, program.taken(state) - before, 0))
