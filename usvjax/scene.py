@@ -15,7 +15,7 @@ from usvkernels.clearance import FAR
 from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.episodes import Charted, Jobs
 
-ROWS_AT_ONCE = 8192  # of a check that would need an array of all rows times all obstacles
+ROWS_AT_ONCE = 1024  # of a check over all rows and obstacles, so that its arrays stay in the cache
 
 MOST_REMOTE = 2e5
 """Largest coordinate (m) of a vessel: there, single precision resolves 16 mm."""
@@ -130,10 +130,8 @@ def _among_circles(
     shape = (None, 2) if shared else (len(start), None, 2)
     centres = float_array("obstacles", obstacles, shape)
     centres = centres[None] if shared else centres
-    if valid is not None:
-        shown = _mask(valid, (len(start), centres.shape[1]))
-        centres = np.where(shown[..., None], centres, FAR)
-    packed = padded(centres).astype(np.float32)
+    shown = None if valid is None else _mask(valid, (len(start), centres.shape[1]))
+    packed = padded(centres, shown)
     _refuse_inside(packed, start, np.asarray(params.radius, np.float64), np.zeros(2))
     return Scene(start, goal, np.zeros(2), packed, None)
 
@@ -150,13 +148,21 @@ def _mask(valid: Any, shape: tuple[int, int]) -> np.ndarray:
     return mask
 
 
-def padded(centres: np.ndarray) -> np.ndarray:
-    """Centres [B, K, 2] as [B, 2, K'], K' a multiple of 8 so that few shapes are compiled."""
-    centres = np.clip(centres, -FAR, FAR)  # what is farther is as far, and float32 holds it
-    count = centres.shape[1]
-    padding = max(8, -(-count // 8) * 8) - count
-    packed = np.pad(centres, ((0, 0), (0, padding), (0, 0)), constant_values=FAR)
-    return np.ascontiguousarray(packed.transpose(0, 2, 1))
+def padded(centres: np.ndarray, shown: np.ndarray | None = None) -> np.ndarray:
+    """Centres [B, K, 2] as float32[B, 2, K'], K' a multiple of 8 so that few shapes are compiled.
+
+    FAR pads, and stands where `shown`, bool[B, K] or [K], is False.
+    """
+    if shown is not None and shown.ndim == 2:
+        centres = np.broadcast_to(centres, (len(shown), *centres.shape[1:]))
+    maps, count, _ = centres.shape
+    packed = np.full((maps, 2, max(8, -(-count // 8) * 8)), FAR, np.float32)
+    inside = packed[:, :, :count]
+    # What is farther than FAR is as far, and float32 holds it.
+    np.clip(centres.swapaxes(1, 2), -FAR, FAR, out=inside, casting="same_kind")
+    if shown is not None:
+        np.copyto(inside, np.float32(FAR), where=~shown[..., None, :])
+    return packed
 
 
 def _refuse_inside(
@@ -165,8 +171,8 @@ def _refuse_inside(
     for first in range(0, len(start), ROWS_AT_ONCE):
         rows = slice(first, first + ROWS_AT_ONCE)
         centres = packed[rows] if len(packed) > 1 else packed
-        offset = centres - start[rows, :2, None]
-        inside = (offset**2).sum(axis=1) < np.reshape(_of_rows(radius, rows), (-1, 1)) ** 2
+        east, north = (centres[:, i] - start[rows, i, None] for i in range(2))
+        inside = east * east + north * north < np.reshape(_of_rows(radius, rows), (-1, 1)) ** 2
         if inside.any():
             row, k = (int(i) for i in np.argwhere(inside)[0])
             x, y = (centres[row] if len(centres) > 1 else centres[0])[:, k] + origin
