@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.markdown import table
 from benchmarks.timing import in_turns, spread
 from benchmarks.workloads import Workload, heavy_tailed
-from usvjax.devices import COMPILER_OPTIONS
+from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD
 from usvjax.navigate import CHUNK
 from usvjax.scene import set_scene
 from usvkernels import episodes, lanes
@@ -63,7 +63,11 @@ def _jobs(work: Workload) -> Jobs:
     return scene.rows(np.arange(len(work)))
 
 
-@partial(jax.jit, static_argnames=("static", "width", "options"), compiler_options=COMPILER_OPTIONS)
+@partial(
+    jax.jit,
+    static_argnames=("static", "width", "options"),
+    compiler_options=COMPILER_OPTIONS | ONE_THREAD,
+)
 def _run(
     jobs: Jobs, params: DwaParams, static: DwaStatic, width: int, options: Options
 ) -> tuple[Outcome, lanes.Usage]:

@@ -14,13 +14,14 @@ if TYPE_CHECKING:
 
 _VARIABLE = "JAX_NUM_CPU_DEVICES"
 
-COMPILER_OPTIONS = {
-    "xla_cpu_prefer_vector_width": "512",
-    "xla_disable_hlo_passes": "cpu-parallel-task-assigner",
-}
-"""For `jax.jit`: full vectors where the processor has them, a quarter faster on such a CPU; and
-no operation split over XLA's thread pool, which gains less than it costs where every core has a
-device of its own (one device alone is 12 % faster with the pool, on twice the cores' time).
+COMPILER_OPTIONS = {"xla_cpu_prefer_vector_width": "512"}
+"""For `jax.jit`: full vectors where the processor has them, a quarter faster on such a CPU."""
+
+ONE_THREAD = {"xla_disable_hlo_passes": "cpu-parallel-task-assigner"}
+"""For `jax.jit`, where all devices have work: no operation is split over XLA's thread pool.
+
+With the pool, one device alone would be faster (DWA by 12 %, tours by half), on twice the time of
+the cores; where each core has a device of its own, it costs a few per cent.
 """
 
 Item = TypeVar("Item")

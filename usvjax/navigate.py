@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from usvjax.checks import float_array, whole_number
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices, share_out
 from usvjax.presets import check_dwa
 from usvjax.scene import Scene, padded, set_scene
 from usvkernels import dwa, episodes, lanes
@@ -234,7 +234,9 @@ def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
     return DwaParams(**chosen)
 
 
-@partial(jax.jit, static_argnames=("static", "width"), compiler_options=COMPILER_OPTIONS)
+@partial(
+    jax.jit, static_argnames=("static", "width"), compiler_options=COMPILER_OPTIONS | ONE_THREAD
+)
 def _run(
     jobs: Jobs, params: DwaParams, static: DwaStatic, count: jax.Array, width: int
 ) -> tuple[Outcome, lanes.Usage]:
@@ -248,7 +250,7 @@ def _run(
     )
 
 
-@partial(jax.jit, static_argnames="static", compiler_options=COMPILER_OPTIONS)
+@partial(jax.jit, static_argnames="static", compiler_options=COMPILER_OPTIONS | ONE_THREAD)
 def _record(
     jobs: Jobs, params: DwaParams, static: DwaStatic
 ) -> tuple[Outcome, lanes.Usage, jax.Array]:
