@@ -10,9 +10,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import jax
+import jax.numpy as jnp
 import pytest
 
-from usvjax.devices import chosen_devices, share_out, usable_cores
+from usvjax.devices import ONE_THREAD, chosen_devices, share_out, usable_cores
 
 
 def run_python(code: str, **variables: str) -> str:
@@ -136,6 +137,17 @@ def test_devices_work_at_the_same_time() -> None:
         return device
 
     assert set(share(work, range(3))) == set(THREE)
+
+
+def test_one_thread_splits_no_operation() -> None:
+    def compiled(options: dict[str, str]) -> str:
+        wave = jax.jit(lambda x: jnp.sin(x) * jnp.cos(x), compiler_options=options)
+        return wave.lower(jnp.zeros(1_000_000)).compile().as_text() or ""
+
+    split = "outer_dimension_partitions"
+    assert split not in compiled(ONE_THREAD)
+    if usable_cores() > 1:
+        assert split in compiled({}), "XLA calls it something else now"
 
 
 def test_an_exception_comes_through() -> None:

@@ -20,8 +20,8 @@ COMPILER_OPTIONS = {"xla_cpu_prefer_vector_width": "512"}
 ONE_THREAD = {"xla_disable_hlo_passes": "cpu-parallel-task-assigner"}
 """For `jax.jit`, where all devices have work: no operation is split over XLA's thread pool.
 
-With the pool, one device alone would be faster (DWA by 12 %, tours by half), on twice the time of
-the cores; where each core has a device of its own, it costs a few per cent.
+With the pool, one device alone is faster (DWA by 12 %, a few long tours up to twice), on twice the
+time of the cores; where each core has a device of its own at work, it costs a few per cent.
 """
 
 Item = TypeVar("Item")
