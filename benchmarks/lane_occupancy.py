@@ -9,8 +9,7 @@ import numpy as np
 from benchmarks.markdown import table
 from benchmarks.timing import in_turns, spread
 from benchmarks.workloads import Workload, heavy_tailed
-from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD
-from usvjax.navigate import CHUNK
+from usvjax.navigate import CHUNK, OPTIONS
 from usvjax.scene import set_scene
 from usvkernels import episodes, lanes
 from usvkernels.dwa_params import DwaParams, DwaStatic
@@ -63,11 +62,7 @@ def _jobs(work: Workload) -> Jobs:
     return scene.rows(np.arange(len(work)))
 
 
-@partial(
-    jax.jit,
-    static_argnames=("static", "width", "options"),
-    compiler_options=COMPILER_OPTIONS | ONE_THREAD,
-)
+@partial(jax.jit, static_argnames=("static", "width", "options"), compiler_options=OPTIONS)
 def _run(
     jobs: Jobs, params: DwaParams, static: DwaStatic, width: int, options: Options
 ) -> tuple[Outcome, lanes.Usage]:

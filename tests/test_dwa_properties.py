@@ -52,8 +52,10 @@ def test_window_lies_inside_the_limits(
         TRADITIONAL, dt=dt, v_acc=v_acc, v_dec=v_dec, w_acc=w_acc, w_dec=w_dec, n_v=11, n_w=22
     )
     params, static = parameters(s)
+    resolution = dwa.resolution(params, static, jnp.dtype("float32"))
     v_i, inside_v, w_j, inside_w = (
-        np.asarray(a)[:, 0] for a in dwa.window(params, static, jnp.float32([v]), jnp.float32([w]))
+        np.asarray(a)[:, 0]
+        for a in dwa.window(params, resolution, jnp.float32([v]), jnp.float32([w]))
     )
     rounding = 3e-7
     for values, inside, now, low, high, dec, acc, step in (

@@ -22,6 +22,7 @@ MOST_LANES = 256  # state of a step stays within the second-level cache
 MOST_ROWS = 8192  # episodes per call of a device; memory does not grow past it
 JOBS_PER_LANE = 4  # at least, or lanes idle for want of a next job
 CHUNK = 8  # steps between two refills
+OPTIONS = COMPILER_OPTIONS | ONE_THREAD
 
 _tracing = Lock()
 
@@ -234,9 +235,7 @@ def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
     return DwaParams(**chosen)
 
 
-@partial(
-    jax.jit, static_argnames=("static", "width"), compiler_options=COMPILER_OPTIONS | ONE_THREAD
-)
+@partial(jax.jit, static_argnames=("static", "width"), compiler_options=OPTIONS)
 def _run(
     jobs: Jobs, params: DwaParams, static: DwaStatic, count: jax.Array, width: int
 ) -> tuple[Outcome, lanes.Usage]:
@@ -250,7 +249,7 @@ def _run(
     )
 
 
-@partial(jax.jit, static_argnames="static", compiler_options=COMPILER_OPTIONS | ONE_THREAD)
+@partial(jax.jit, static_argnames="static", compiler_options=OPTIONS)
 def _record(
     jobs: Jobs, params: DwaParams, static: DwaStatic
 ) -> tuple[Outcome, lanes.Usage, jax.Array]:

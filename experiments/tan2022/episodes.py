@@ -11,7 +11,7 @@ import usvjax as uj
 from experiments.tan2022.published import METRICS
 from experiments.tan2022.readings import FEW_MAPS, Case, Reading
 from usvjax.study.scenarios import Scenarios, Source
-from usvkernels.dwa import FAR
+from usvkernels.clearance import FAR
 from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.status import Status
 

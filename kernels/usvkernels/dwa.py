@@ -65,7 +65,7 @@ class _Fan:
 
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
-class _Resolution:
+class Resolution:
     """What the parameters alone say about every window; leaves scalar, or [lanes] as these.
 
     Whether a compiler fuses a product with the sum that it goes into, and so rounds once or
@@ -84,11 +84,12 @@ class _Resolution:
     turn: Complex  # [n_w, 1 or lanes], rotation of one step at w_offset
 
 
-def _resolution(params: DwaParams, static: DwaStatic, dtype: jnp.dtype) -> _Resolution:
+def resolution(params: DwaParams, static: DwaStatic, dtype: jnp.dtype) -> Resolution:
+    """The window's resolution, in the arithmetic of `dtype`."""
     p = jax.tree.map(partial(jnp.asarray, dtype=dtype), params)
     w_offset = jnp.arange(static.n_w, dtype=dtype)[:, None]
     sin, cos = sincos(w_offset * (p.w_step * p.dt))
-    return _Resolution(
+    return Resolution(
         v_loss=p.v_dec * p.dt,
         v_gain=p.v_acc * p.dt,
         w_loss=p.w_dec * p.dt,
@@ -101,21 +102,18 @@ def _resolution(params: DwaParams, static: DwaStatic, dtype: jnp.dtype) -> _Reso
     )
 
 
-def window(params: DwaParams, static: DwaStatic, v: Array, w: Array) -> tuple[Array, ...]:
+def window(params: DwaParams, of: Resolution, v: Array, w: Array) -> tuple[Array, ...]:
     """Candidate commands: V_s and V_d (Tan et al. 2022, Eqs. 2, 3) at the given resolution.
 
     Args:
-      params, static: of the method.
+      params: of the method.
+      of: what `resolution` makes of the same parameters.
       v, w: present speed (m/s) and yaw rate (rad/s), float[lanes].
 
     Returns:
       (v_i, inside_v, w_j, inside_w), the first two [n_v, lanes], the others [n_w, lanes]; a
       candidate past the window's upper edge is not inside.
     """
-    return _window(params, _resolution(params, static, v.dtype), v, w)
-
-
-def _window(params: DwaParams, of: _Resolution, v: Array, w: Array) -> tuple[Array, ...]:
     v_low = jnp.maximum(params.v_min, v - of.v_loss)
     w_low = jnp.maximum(params.w_min, w - of.w_loss)
     v_high = jnp.minimum(params.v_max, v + of.v_gain)
@@ -126,7 +124,7 @@ def _window(params: DwaParams, of: _Resolution, v: Array, w: Array) -> tuple[Arr
 
 @partial(jax.jit, static_argnums=0)  # traced once for all branches of a stage
 def _predict(
-    static: DwaStatic, params: DwaParams, of: _Resolution, bow: Complex, base: Complex
+    static: DwaStatic, params: DwaParams, of: Resolution, bow: Complex, base: Complex
 ) -> _Fan:
     """Closed form of `horizon` Euler steps for all yaw rates of the window.
 
@@ -149,10 +147,10 @@ def _predict(
 
 @jax.jit  # as `_predict`
 def _commands(
-    params: DwaParams, of: _Resolution, motion: Motion
+    params: DwaParams, of: Resolution, motion: Motion
 ) -> tuple[tuple[Array, ...], Complex, Complex]:
     """The window, and the last two arguments of `_predict`."""
-    commands = _window(params, of, motion.v, motion.w)
+    commands = window(params, of, motion.v, motion.w)
     sin, cos = sincos(motion.psi)
     base_sin, base_cos = sincos(commands[2][0] * params.dt)
     return commands, (cos, sin), (base_cos, base_sin)
@@ -167,7 +165,7 @@ def _open_window(
     yaw rate's speeds, in each use of the prediction.
     """
     go = jnp.any(jnp.asarray(params.dt) > 0.0)  # it is, but the compiler cannot know
-    of = _resolution(params, static, motion.v.dtype)
+    of = resolution(params, static, motion.v.dtype)
     commands, bow, base = stage(go, _commands, params, of, motion)
     return commands, stage(go, partial(_predict, static), params, of, bow, base)
 

@@ -131,20 +131,19 @@ def _work(
         return wanted & (queue.waited < bound)
 
     def turn(queue: _Queue) -> _Queue:
-        state, busy = _advance(program, queue.state, queue.job < n_jobs, chunk)
+        state = _advance(program, queue.state, chunk)
         ended = program.done(state) & (queue.job < n_jobs)
         results = _written(queue.results, program.result(state), queue.job, ended)
         take = ended if refill else ended & jnp.all(ended | (queue.job >= n_jobs))
         given = queue.next_job + jnp.cumsum(take, dtype=jnp.int32) - 1
         job = jnp.where(take, given, queue.job)
         fresh = program.start(jnp.minimum(job, n_jobs - 1))
-        usage = queue.usage
         return _Queue(
             state=keep(~take | (job >= n_jobs), state, fresh),
             job=job,
             next_job=queue.next_job + jnp.sum(take, dtype=jnp.int32),
             results=results,
-            usage=Usage(busy=usage.busy + busy, total=usage.total + chunk * lanes),
+            usage=_used(program, queue, state, n_jobs, chunk * lanes),
             waited=jnp.where(jnp.any(ended), 0, queue.waited + 1),
         )
 
@@ -171,25 +170,24 @@ def _drain(program: Program, queue: _Queue, n_jobs: Array, chunk: int, max_steps
 
     def turn(queue: _Queue) -> _Queue:
         order = jnp.argsort(queue.job >= n_jobs, stable=True)
-        state = jax.tree.map(lambda leaf: jnp.take(leaf, order, axis=-1), queue.state)
-        job = queue.job[order]
+        gathered = jax.tree.map(lambda leaf: jnp.take(leaf, order, axis=-1), queue.state)
+        queue = replace(queue, state=gathered, job=queue.job[order])
+        job = queue.job
         blocks = -(-jnp.sum(job < n_jobs, dtype=jnp.int32) // width)
 
-        def advance(block: Array, carry: tuple[Tree, Array]) -> tuple[Tree, Array]:
-            state, busy = carry
+        def advance(block: Array, state: Tree) -> Tree:
             part = jax.tree.map(lambda leaf: _block(leaf, block, width), state)
-            part, more = _advance(program, part, _block(job, block, width) < n_jobs, chunk)
-            return jax.tree.map(partial(_put_block, block=block), state, part), busy + more
+            part = _advance(program, part, chunk)
+            return jax.tree.map(partial(_put_block, block=block), state, part)
 
-        state, busy = jax.lax.fori_loop(0, blocks, advance, (state, jnp.int32(0)))
+        state = jax.lax.fori_loop(0, blocks, advance, queue.state)
         ended = program.done(state) & (job < n_jobs)
-        usage = queue.usage
         return _Queue(
             state=state,
             job=jnp.where(ended, n_jobs, job),
             next_job=queue.next_job,
             results=_written(queue.results, program.result(state), job, ended),
-            usage=Usage(busy=usage.busy + busy, total=usage.total + blocks * chunk * width),
+            usage=_used(program, queue, state, n_jobs, blocks * chunk * width),
             waited=jnp.where(jnp.any(ended), 0, queue.waited + 1),
         )
 
@@ -243,12 +241,19 @@ def keep(mask: Array, old: Tree, new: Tree) -> Tree:
     return jax.tree.map(lambda a, b: a if a is b else jnp.where(mask, a, b), old, new)
 
 
-def _advance(program: Program, state: Tree, live: Array, chunk: int) -> tuple[Tree, Array]:
-    """Advance all lanes by a chunk; also the number of lane-steps that did something."""
+def _advance(program: Program, state: Tree, chunk: int) -> Tree:
+    """Advance all lanes by a chunk."""
 
     def advance(_: Array, state: Tree) -> Tree:
         return keep(program.done(state), state, program.step(state))
 
-    before = program.taken(state)
-    state = jax.lax.fori_loop(0, chunk, advance, state)
-    return state, jnp.sum(jnp.where(live, program.taken(state) - before, 0))
+    return jax.lax.fori_loop(0, chunk, advance, state)
+
+
+def _used(
+    program: Program, queue: _Queue, state: Tree, n_jobs: Array, executed: Array | int
+) -> Usage:
+    """The usage after `executed` lane-steps that led from the queue's state to `state`."""
+    advanced = program.taken(state) - program.taken(queue.state)
+    busy = jnp.sum(jnp.where(queue.job < n_jobs, advanced, 0))
+    return Usage(busy=queue.usage.busy + busy, total=queue.usage.total + executed)

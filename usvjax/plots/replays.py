@@ -25,7 +25,7 @@ from usvjax.study import Run
 from usvjax.study.dwa_workload import DwaCondition
 from usvjax.study.scenarios import Scenarios
 from usvjax.study.workload import get_workload
-from usvkernels.dwa import FAR
+from usvkernels.clearance import FAR
 from usvkernels.dwa_params import DwaParams, DwaStatic
 
 FloatArray = NDArray[np.float64]
