@@ -131,7 +131,7 @@ def kernel(s: Settings, case: Situations, params: DwaParams | None = None) -> dw
     """
     real = jnp.asarray(0.0).dtype
     numbers, static = parameters(s)
-    motion = dwa.Motion(*(jnp.asarray(leaf, real) for leaf in case.states.T))
+    motion = dwa.Motion(jnp.asarray(case.states.T, real))
     centres = np.where(case.valid[:, :, None], case.obstacles, dwa.FAR).transpose(2, 1, 0)
     goal = jnp.asarray(case.goals.T, real)
     result = weigh(params or numbers, static, motion, jnp.asarray(centres, real), goal)

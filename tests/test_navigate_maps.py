@@ -119,9 +119,7 @@ def test_past_the_edge_of_a_map_the_nearest_cell_is_sensed() -> None:
     chart = _chart(uj.GridMap(blocked), 5.0)
 
     def seen(y: float) -> np.ndarray:
-        place = jnp.array([9.0]), jnp.array([y])
-        still = jnp.zeros(1)
-        motion = Motion(*place, still, still, still)
+        motion = Motion(jnp.array([[9.0], [y], [0.0], [0.0], [0.0]]))
         episode = SimpleNamespace(motion=motion)
         return np.asarray(sensed(jax.device_put(chart), episode))
 

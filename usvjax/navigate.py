@@ -156,7 +156,7 @@ def dwa_candidates(
     points = float_array("obstacles", obstacles, (None, 2))
     now = float_array("state", state, (5,))
     target = float_array("goal", goal, (2,))
-    motion = dwa.Motion(*(jnp.asarray(now[i : i + 1], jnp.float32) for i in range(5)))
+    motion = dwa.Motion(jnp.asarray(now[:, None], jnp.float32))
     centres = jnp.asarray(padded(points[None])[0])[:, :, None]
     found, paths, command = _open_up(
         params, static, motion, centres, jnp.asarray(target[:, None], jnp.float32)

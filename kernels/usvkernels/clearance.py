@@ -4,6 +4,7 @@ Obstacles are float[2, K, lanes]: east and north of the centre (m), rows at FAR 
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -23,6 +24,14 @@ LEAST_SINE = 1e-9
 
 UNROLLED_OBSTACLES = 64
 """Up to this many obstacles the running minimum is unrolled; more go in blocks of this size."""
+
+
+class Sector(NamedTuple):
+    """The search sector of a vessel, and the obstacle circles that may meet it."""
+
+    cot: Array  # cotangent of half its angle
+    reach: Array  # m, their radius over the sine of half its angle
+
 
 Fold = Callable[[Array, Array], Array]
 """From obstacles [2, block, lanes] and a running minimum to the new running minimum."""
@@ -53,9 +62,17 @@ def _nearer(centre: Complex, point: Complex, counts: Array | None, least: Array)
     return nearer if counts is None else jnp.where(counts, nearer, least)
 
 
+def sector_of(half_angle: Array, radius: Array) -> Sector:
+    """The search sector of this half-angle (rad) for obstacle circles of `radius` (m)."""
+    sin, cos = sincos(half_angle)
+    # At pi, rounding makes it negative and would drop what is dead ahead.
+    sin = jnp.maximum(jnp.abs(sin), LEAST_SINE)
+    return Sector(cot=cos / sin, reach=radius / sin)
+
+
 @jax.jit  # as `_nearer`
 def in_sector(
-    centre: Complex, point: Complex, ahead: Complex, half_angle: Scalar, radius: Scalar
+    centre: Complex, point: Complex, ahead: Complex, sector: Sector, radius: Scalar
 ) -> Array:
     """Whether an obstacle's circle meets the search sector at P (Tan et al. 2022, Fig. 1).
 
@@ -65,16 +82,12 @@ def in_sector(
     over the sine of the half-angle, which saves two products for each obstacle and candidate.
     """
     offset = (centre[0] - point[0], centre[1] - point[1])
-    sin, cos = sincos(half_angle)
-    # At pi, rounding makes it negative and would drop what is dead ahead.
-    sin = jnp.maximum(jnp.abs(sin), LEAST_SINE)
-    cot = cos / sin
     along = offset[0] * ahead[0] + offset[1] * ahead[1]
     across = jnp.abs(offset[0] * ahead[1] - offset[1] * ahead[0])
-    foot_on_ray = along * cot + across > 0.0
-    from_ray = across * cot - along
+    foot_on_ray = along * sector.cot + across > 0.0
+    from_ray = across * sector.cot - along
     touches_p = offset[0] * offset[0] + offset[1] * offset[1] <= radius * radius
-    return (from_ray <= jnp.where(foot_on_ray, radius / sin, 0.0)) | touches_p
+    return (from_ray <= jnp.where(foot_on_ray, sector.reach, 0.0)) | touches_p
 
 
 def fold_blocks(fold: Fold, obstacles: Array, least: Array) -> Array:

@@ -12,7 +12,16 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from usvkernels.clearance import FAR, Scalar, centres, fold_blocks, in_sector, nearest_squared
+from usvkernels.clearance import (
+    FAR,
+    Scalar,
+    Sector,
+    centres,
+    fold_blocks,
+    in_sector,
+    nearest_squared,
+    sector_of,
+)
 from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.trig import angle_between, sincos
 from usvkernels.vessel import Complex, complex_product, geometric_sum
@@ -21,6 +30,9 @@ from usvkernels.xla.stage import stage
 
 _at = partial(jax.lax.dynamic_index_in_dim, keepdims=False, allow_negative_indices=False)
 
+Commands = tuple[Array, Array, Array, Array]
+"""Speeds [n_v, lanes] (m/s) and whether inside the window, yaw rates [n_w, lanes] likewise."""
+
 SLACK = 1e-3
 """Share of a candidate's step by which rounding may carry it past an edge."""
 
@@ -28,13 +40,39 @@ SLACK = 1e-3
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
 class Motion:
-    """Pose and rates; every leaf float[lanes]."""
+    """Poses and rates in one array: five would each be copied on their way into a stage."""
 
-    x: Array  # m
-    y: Array  # m
-    psi: Array  # rad
-    v: Array  # m/s
-    w: Array  # rad/s
+    rows: Array  # float[5 or more, lanes]
+
+    @property
+    def place(self) -> Array:
+        """X and y, float[2, lanes] (m)."""
+        return self.rows[:2]
+
+    @property
+    def x(self) -> Array:
+        """East (m)."""
+        return self.rows[0]
+
+    @property
+    def y(self) -> Array:
+        """North (m)."""
+        return self.rows[1]
+
+    @property
+    def psi(self) -> Array:
+        """Heading (rad)."""
+        return self.rows[2]
+
+    @property
+    def v(self) -> Array:
+        """Speed (m/s)."""
+        return self.rows[3]
+
+    @property
+    def w(self) -> Array:
+        """Yaw rate (rad/s)."""
+        return self.rows[4]
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -82,6 +120,21 @@ class Resolution:
     v_slack: Array  # m/s past the window's edge that rounding may explain
     w_slack: Array
     turn: Complex  # [n_w, 1 or lanes], rotation of one step at w_offset
+    sector: Sector
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class _Window:
+    """The window opened up: its commands, where they lead, and the obstacles as seen from here."""
+
+    v: Array  # float[n_v, lanes], m/s
+    inside_v: Array  # bool[n_v, lanes], False past the window's edge
+    w: Array  # float[n_w, lanes], rad/s
+    inside_w: Array  # bool[n_w, lanes]
+    fan: _Fan
+    obstacles: Array  # float[2, K, lanes], centres relative to the vessel (m)
+    sector: Sector
 
 
 def resolution(params: DwaParams, static: DwaStatic, dtype: jnp.dtype) -> Resolution:
@@ -99,10 +152,11 @@ def resolution(params: DwaParams, static: DwaStatic, dtype: jnp.dtype) -> Resolu
         v_slack=SLACK * p.v_step,
         w_slack=SLACK * p.w_step,
         turn=(cos, sin),
+        sector=sector_of(p.search_angle, p.radius),
     )
 
 
-def window(params: DwaParams, of: Resolution, v: Array, w: Array) -> tuple[Array, ...]:
+def window(params: DwaParams, of: Resolution, v: Array, w: Array) -> Commands:
     """Candidate commands: V_s and V_d (Tan et al. 2022, Eqs. 2, 3) at the given resolution.
 
     Args:
@@ -122,7 +176,6 @@ def window(params: DwaParams, of: Resolution, v: Array, w: Array) -> tuple[Array
     return v_i, v_i <= v_high + of.v_slack, w_j, w_j <= w_high + of.w_slack
 
 
-@partial(jax.jit, static_argnums=0)  # traced once for all branches of a stage
 def _predict(
     static: DwaStatic, params: DwaParams, of: Resolution, bow: Complex, base: Complex
 ) -> _Fan:
@@ -145,10 +198,10 @@ def _predict(
     return _Fan(chord, heading, first, turn)
 
 
-@jax.jit  # as `_predict`
+@jax.jit  # traced once for all branches of a stage
 def _commands(
     params: DwaParams, of: Resolution, motion: Motion
-) -> tuple[tuple[Array, ...], Complex, Complex]:
+) -> tuple[Commands, Complex, Complex]:
     """The window, and the last two arguments of `_predict`."""
     commands = window(params, of, motion.v, motion.w)
     sin, cos = sincos(motion.psi)
@@ -156,18 +209,38 @@ def _commands(
     return commands, (cos, sin), (base_cos, base_sin)
 
 
-def _open_window(
-    params: DwaParams, static: DwaStatic, motion: Motion
-) -> tuple[tuple[Array, ...], _Fan]:
-    """The window and its prediction, apart from what uses them.
+@partial(jax.jit, static_argnums=0)  # as `_commands`
+def _survey(
+    static: DwaStatic,
+    params: DwaParams,
+    of: Resolution,
+    bow: Complex,
+    base: Complex,
+    motion: Motion,
+    obstacles: Array,
+) -> tuple[_Fan, Array]:
+    """The prediction, and the obstacles relative to the vessel."""
+    return _predict(static, params, of, bow, base), obstacles - motion.place[:, None]
+
+
+def unknown_true(params: DwaParams) -> Array:
+    """True, which the compiler cannot know: what makes a `stage` of these parameters one."""
+    return jnp.any(jnp.asarray(params.dt) > 0.0)
+
+
+def _open_window(params: DwaParams, static: DwaStatic, motion: Motion, obstacles: Array) -> _Window:
+    """The window and its prediction, in stages apart from what uses them.
 
     Otherwise XLA takes a vessel's sines anew for each yaw rate, and predicts anew for each of a
     yaw rate's speeds, in each use of the prediction.
     """
-    go = jnp.any(jnp.asarray(params.dt) > 0.0)  # it is, but the compiler cannot know
-    of = resolution(params, static, motion.v.dtype)
+    go = unknown_true(params)
+    of = resolution(params, static, motion.rows.dtype)
     commands, bow, base = stage(go, _commands, params, of, motion)
-    return commands, stage(go, partial(_predict, static), params, of, bow, base)
+    survey = partial(_survey, static)
+    fan, relative = stage(go, survey, params, of, bow, base, motion, obstacles)
+    v, inside_v, w, inside_w = commands
+    return _Window(v, inside_v, w, inside_w, fan, relative, of.sector)
 
 
 def _nearest_along(
@@ -198,20 +271,13 @@ def _nearest_along(
     return jax.lax.fori_loop(0, static.horizon, advance, (origin, fan.first, least))[2]
 
 
-def _clearance(
-    params: DwaParams, static: DwaStatic, obstacles: Array, v_i: Array, fan: _Fan
-) -> Array:
+def _clearance(params: DwaParams, static: DwaStatic, window: _Window) -> Array:
     """dist(v, w): from the predicted trajectory to the nearest circle that counts, capped.
-
-    Args:
-      params, static: of the method.
-      obstacles: float[2, K, lanes], centres relative to the vessel (m).
-      v_i: float[n_v, lanes].
-      fan: of the window.
 
     Returns:
       float[n_v, n_w, lanes] (m), negative inside a circle.
     """
+    v_i, fan = window.v, window.fan
     end = (v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1])
     # Standing still is not going astern, whatever rounding makes of 0.
     astern = (v_i < -SLACK * params.v_step)[:, None]
@@ -224,16 +290,16 @@ def _clearance(
         counted = None
         if static.method == "improved":
             counted = [
-                in_sector(centre, end, ahead, params.search_angle, params.radius)
+                in_sector(centre, end, ahead, window.sector, params.radius)
                 for centre in centres(block)
             ]
         if static.clearance == "endpoint":
             return nearest_squared(block, end, counted, least)
         return _nearest_along(block, v_i, fan, counted, static, params.dt, least)
 
-    nearest = fold_blocks(fold, obstacles, jnp.full_like(end[0], jnp.inf))
+    nearest = fold_blocks(fold, window.obstacles, jnp.full_like(end[0], jnp.inf))
     dist = jnp.where(nearest < FAR / 2, nearest - params.radius, params.clear_distance)
-    return jnp.minimum(dist, params.clearance_cap)
+    return jnp.where(dist > params.clearance_cap, params.clearance_cap, dist)
 
 
 def candidates(
@@ -247,17 +313,23 @@ def candidates(
       obstacles: float[2, K, lanes], centres (m); rows at FAR are padding.
       goal: float[2, lanes] (m).
     """
-    (v_i, inside_v, w_j, inside_w), fan = _open_window(params, static, motion)
-    position = jnp.stack([motion.x, motion.y])
-    dist = _clearance(params, static, obstacles - position[:, None], v_i, fan)
+    window = _open_window(params, static, motion, obstacles)
+    return _weigh(params, static, motion, goal, window)
+
+
+def _weigh(
+    params: DwaParams, static: DwaStatic, motion: Motion, goal: Array, window: _Window
+) -> Candidates:
+    v_i, w_j, fan = window.v, window.w, window.fan
+    dist = _clearance(params, static, window)
     east, north = v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1]
-    to_goal = goal - position
+    to_goal = goal - motion.place
     to_east, to_north = to_goal[0] - east, to_goal[1] - north
     error = angle_between(
         fan.heading[0] * to_north - fan.heading[1] * to_east,
         fan.heading[0] * to_east + fan.heading[1] * to_north,
     )
-    admissible = inside_v[:, None] & inside_w & (dist > 0.0)
+    admissible = window.inside_v[:, None] & window.inside_w & (dist > 0.0)
     if static.braking:
         v_square, w_square = (v_i * v_i)[:, None], w_j * w_j
         admissible &= (v_square <= 2.0 * dist * params.v_dec) & (
@@ -295,7 +367,9 @@ def predicted_paths(params: DwaParams, static: DwaStatic, motion: Motion) -> Arr
     Returns:
       float[n_v, n_w, horizon + 1, lanes, 2] (m).
     """
-    (v_i, _, w_j, _), fan = _open_window(params, static, motion)
+    nothing = jnp.zeros((2, 0, motion.rows.shape[1]), motion.rows.dtype)
+    window = _open_window(params, static, motion, nothing)
+    v_i, w_j, fan = window.v, window.w, window.fan
     origin = jnp.zeros((*w_j.shape, 2), w_j.dtype)
     dt = jnp.asarray(params.dt, w_j.dtype)[..., None]
 
@@ -374,10 +448,33 @@ def decide(
     params: DwaParams, static: DwaStatic, motion: Motion, obstacles: Array, goal: Array
 ) -> tuple[Array, Array]:
     """Speed and yaw rate to execute next (m/s, rad/s), float[lanes]; arguments as `candidates`."""
-    found = candidates(params, static, motion, obstacles, goal)
-    row, column, any_admissible = choose(found)
-    v = found.v[0] + row.astype(motion.v.dtype) * params.v_step
-    w = found.w[0] + column.astype(motion.w.dtype) * params.w_step
+    window = _open_window(params, static, motion, obstacles)
+    chosen = partial(_decide, static)
+    return stage(unknown_true(params), chosen, params, motion, goal, window)
+
+
+@partial(jax.jit, static_argnums=0)  # as `_commands`
+def _decide(
+    static: DwaStatic, params: DwaParams, motion: Motion, goal: Array, window: _Window
+) -> tuple[Array, Array]:
+    found = _weigh(params, static, motion, goal, window)
+    return single(partial(_command, static), params, motion, goal, found.v, found.w, found.score)
+
+
+@partial(jax.jit, static_argnums=0)
+def _command(
+    static: DwaStatic,
+    params: DwaParams,
+    motion: Motion,
+    goal: Array,
+    v_i: Array,
+    w_j: Array,
+    score: Array,
+) -> tuple[Array, Array]:
+    """The best candidate's command, or that of a vessel without an admissible one."""
+    row, column, any_admissible = _best(score)
+    v = v_i[0] + row.astype(score.dtype) * params.v_step
+    w = w_j[0] + column.astype(score.dtype) * params.w_step
     blocked_v, blocked_w = _when_blocked(params, static, motion, goal)
     return jnp.where(any_admissible, v, blocked_v), jnp.where(any_admissible, w, blocked_w)
 

@@ -8,11 +8,16 @@ import jax.numpy as jnp
 from jax import Array
 
 from usvkernels.clearance import FAR, nearest_distance
-from usvkernels.dwa import Motion, decide
+from usvkernels.dwa import Motion, decide, unknown_true
 from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.lanes import Program
 from usvkernels.status import Status
 from usvkernels.vessel import unicycle_step
+from usvkernels.xla.single import single
+from usvkernels.xla.stage import stage
+
+Pose = tuple[Array, Array, Array]
+"""x, y (m), psi (rad), each float[lanes]."""
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -42,18 +47,52 @@ class Jobs:
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
 class Episode:
-    """Episodes under way; lanes are the last axis."""
+    """Episodes under way; lanes are the last axis.
 
-    motion: Motion
+    What changes lies in two arrays: each more would be kept, and copied, by operations of its own
+    in every step.
+    """
+
+    reals: Array  # float[9, lanes]: `motion`, `length`, `nearest` and `anchor`
+    counts: Array  # int32[3, lanes]: `status`, `steps` and `anchor_step`
     goal: Array  # float[2, lanes], m
     obstacles: Array | None  # float[2, K, lanes], m; None where a chart is sensed
     swept: dict[str, Array]  # float[lanes], the parameters that differ between episodes
-    status: Array  # int32[lanes]
-    steps: Array  # int32[lanes]
-    length: Array  # float[lanes], m sailed
-    nearest: Array  # float[lanes], m, least distance to an obstacle's centre so far
-    anchor: Array  # float[2, lanes], m, where the vessel last made progress
-    anchor_step: Array  # int32[lanes], and when
+
+    @property
+    def motion(self) -> Motion:
+        """Pose and rates."""
+        return Motion(self.reals)
+
+    @property
+    def length(self) -> Array:
+        """Distance sailed (m)."""
+        return self.reals[5]
+
+    @property
+    def nearest(self) -> Array:
+        """Least distance to an obstacle's centre so far (m)."""
+        return self.reals[6]
+
+    @property
+    def anchor(self) -> Array:
+        """Where the vessel last made progress, float[2, lanes] (m)."""
+        return self.reals[7:]
+
+    @property
+    def status(self) -> Array:
+        """`Status`, RUNNING until the episode ends."""
+        return self.counts[0]
+
+    @property
+    def steps(self) -> Array:
+        """Control periods so far."""
+        return self.counts[1]
+
+    @property
+    def anchor_step(self) -> Array:
+        """The step at `anchor`."""
+        return self.counts[2]
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -99,22 +138,21 @@ def _start(jobs: Jobs, params: DwaParams, swept: dict[str, Array], job: Array) -
     goal = jobs.goal[job].T
     still = jnp.zeros_like(x)
     obstacles = None if jobs.obstacles is None else jnp.moveaxis(jobs.obstacles[job], 0, -1)
-    zero = jnp.zeros(job.shape, jnp.int32)
     episode = Episode(
-        motion=Motion(x=x, y=y, psi=psi, v=still, w=still),
+        reals=jnp.stack([x, y, psi, still, still, still, still, x, y]),
+        counts=jnp.zeros((3, *job.shape), jnp.int32),
         goal=goal,
         obstacles=obstacles,
         swept=swept,
-        status=zero,
-        steps=zero,
-        length=still,
-        nearest=still,
-        anchor=jnp.stack([x, y]),
-        anchor_step=zero,
     )
     nearest = nearest_distance(sensed(jobs.chart, episode), x, y)
     there = _within(x - goal[0], y - goal[1], params.goal_tolerance)
-    return replace(episode, nearest=nearest, status=jnp.where(there, int(Status.REACHED), zero))
+    status = jnp.where(there, int(Status.REACHED), episode.status)
+    return replace(
+        episode,
+        reals=episode.reals.at[6].set(nearest),
+        counts=episode.counts.at[0].set(status),
+    )
 
 
 def _ended(episode: Episode) -> Array:
@@ -138,36 +176,64 @@ def sensed(chart: Charted | None, episode: Episode) -> Array:
 
 def _step(chart: Charted | None, params: DwaParams, static: DwaStatic, episode: Episode) -> Episode:
     """Decide, execute one control period, and see what came of it."""
-    motion, goal = episode.motion, episode.goal
     obstacles = sensed(chart, episode)
-    v, w = decide(params, static, motion, obstacles, goal)
+    command = decide(params, static, episode.motion, obstacles, episode.goal)
+    sail = partial(_sail, static)
+    reals, counts = stage(unknown_true(params), sail, params, episode, obstacles, command)
+    return replace(episode, reals=reals, counts=counts)
+
+
+@partial(jax.jit, static_argnums=0)  # traced once for all branches of a stage
+def _sail(
+    static: DwaStatic,
+    params: DwaParams,
+    episode: Episode,
+    obstacles: Array,
+    command: tuple[Array, Array],
+) -> tuple[Array, Array]:
+    """`reals` and `counts` after one control period under the command (m/s, rad/s)."""
+    pose = single(partial(_move, static), params, episode, command)
+    here = nearest_distance(obstacles, pose[0], pose[1])
+    return single(partial(_judge, static), params, episode, command, pose, here)
+
+
+def _move(
+    static: DwaStatic, params: DwaParams, episode: Episode, command: tuple[Array, Array]
+) -> Pose:
     move = _turn_first if static.heading_first else unicycle_step
-    x, y, psi = move(motion.x, motion.y, motion.psi, v, w, params.dt)
-    here = nearest_distance(obstacles, x, y)
+    motion = episode.motion
+    return move(motion.x, motion.y, motion.psi, *command, params.dt)
+
+
+def _judge(
+    static: DwaStatic,
+    params: DwaParams,
+    episode: Episode,
+    command: tuple[Array, Array],
+    pose: Pose,
+    here: Array,
+) -> tuple[Array, Array]:
+    """What came of a step to `pose`, whose nearest obstacle's centre is `here` metres away."""
+    (v, w), (x, y, psi), goal = command, pose, episode.goal
     steps = episode.steps + 1
     progress = ~_within(x - episode.anchor[0], y - episode.anchor[1], params.stuck_distance)
     anchor_step = jnp.where(progress, steps, episode.anchor_step)
+    anchor = jnp.where(progress, jnp.stack([x, y]), episode.anchor)
     status = jnp.where(steps >= static.max_steps, int(Status.TIMED_OUT), int(Status.RUNNING))
     idle = (steps - anchor_step).astype(x.dtype) * params.dt
     status = jnp.where(idle >= params.stuck_time, int(Status.STUCK), status)
     there = _within(x - goal[0], y - goal[1], params.goal_tolerance)
     status = jnp.where(there, int(Status.REACHED), status)
     status = jnp.where(here < params.radius, int(Status.COLLIDED), status)
-    return replace(
-        episode,
-        motion=Motion(x=x, y=y, psi=psi, v=v, w=w),
-        status=status,
-        steps=steps,
-        length=episode.length + jnp.abs(v) * params.dt,
-        nearest=jnp.minimum(episode.nearest, here),
-        anchor=jnp.where(progress, jnp.stack([x, y]), episode.anchor),
-        anchor_step=anchor_step,
+    length = episode.length + jnp.abs(v) * params.dt
+    nearest = jnp.minimum(episode.nearest, here)
+    return (
+        jnp.stack([x, y, psi, v, w, length, nearest, *anchor]),
+        jnp.stack([status, steps, anchor_step]),
     )
 
 
-def _turn_first(
-    x: Array, y: Array, psi: Array, v: Array, w: Array, dt: Array | float
-) -> tuple[Array, Array, Array]:
+def _turn_first(x: Array, y: Array, psi: Array, v: Array, w: Array, dt: Array | float) -> Pose:
     x, y, turned = unicycle_step(x, y, psi + w * dt, v, jnp.zeros_like(w), dt)
     return x, y, turned
 
@@ -188,5 +254,4 @@ def _outcome(params: DwaParams, episode: Episode) -> Outcome:
 
 def observe(episode: Episode) -> Array:
     """What a recorded trajectory keeps: x, y, psi, v, w; float[5, lanes]."""
-    m = episode.motion
-    return jnp.stack([m.x, m.y, m.psi, m.v, m.w])
+    return episode.reals[:5]

@@ -1,11 +1,14 @@
 """Compiling a function as one piece, for XLA's CPU backend."""
 
 from collections.abc import Callable
+from itertools import compress
 from typing import Any, TypeVar
 
 import jax
 from jax import lax
 from jax.experimental.xla_metadata import set_xla_metadata
+from jax.extend.core import ClosedJaxpr, jaxpr_as_fun
+from jax.interpreters.partial_eval import dce_jaxpr
 
 Out = TypeVar("Out")
 
@@ -25,19 +28,24 @@ def single(fn: Callable[..., Out], *args: Any) -> Out:
 
     What XLA cannot compile in this way ends the process instead of raising (jaxlib 0.10): a large
     reduction, which it hands to a library; a loop whose body is heavy enough for its thread pool;
-    an argument that is a slice of another array. Loops over rows of whole arrays are safe.
+    an argument that is a slice of another array. Loops over rows of whole arrays are safe. An
+    argument that nothing comes of would end it too, and is left out.
 
     Args:
       fn: pure; arrays that it closes over are constants.
       args: its arguments.
     """
+    traced, shape = jax.make_jaxpr(fn, return_shape=True)(*args)
+    jaxpr, used = dce_jaxpr(traced.jaxpr, [True] * len(traced.out_avals))
+    needed = jaxpr_as_fun(ClosedJaxpr(jaxpr, traced.consts))
 
-    def inside(*args: Any) -> Out:
+    def inside(*leaves: Any) -> list[Any]:
         with set_xla_metadata(**_INSIDE):  # the mark is for the call, not for what is in it
-            return fn(*args)
+            return needed(*leaves)
 
     def piece(*args: Any) -> Out:
         with set_xla_metadata(**_PIECE):
-            return jax.jit(inside)(*args)
+            out = jax.jit(inside)(*compress(jax.tree.leaves(args), used))
+        return jax.tree.unflatten(jax.tree.structure(shape), out)
 
     return lax.platform_dependent(*args, cpu=piece, default=fn)

@@ -19,6 +19,11 @@ def stage(go: Array, fn: Callable[..., Out], *args: Any) -> Out:
     does not prevent it on a CPU. A branch that the compiler cannot decide does, for about
     0.3 us; a step of A* became eight times faster. On other devices this is fn(*args).
 
+    Stages also keep a loop's body short. XLA's CPU runtime runs up to eight operations one after
+    the other; a longer body or branch goes through a scheduler, with its queue on the heap, at
+    1.5 us more for 40 operations. So a decision of DWA, in bodies and branches of eight operations
+    or less, takes 10.1 us instead of 11.7 for 16 lanes.
+
     Args:
       go: bool[], True, and an operand of the compiled function, so that the compiler does not
         know. With False, the results are zeros.
