@@ -25,6 +25,7 @@ CHUNK = 8  # steps between two refills
 OPTIONS = COMPILER_OPTIONS | ONE_THREAD
 
 _tracing = Lock()
+_compiled: set[tuple[Any, ...]] = set()  # programs that all their devices hold
 
 
 @dataclass(frozen=True)
@@ -195,38 +196,58 @@ def _sail(
     record: bool,
     max_lanes: int,
 ) -> NavigateResult:
-    count = len(scene.start)
     devices = chosen_devices()
-    blocks = _blocks(count, len(devices), MOST_LANES if record else MOST_ROWS)
+    blocks = _dealt(scene.expected_steps(params), len(devices), MOST_LANES if record else MOST_ROWS)
     capacity = max(LEAST_LANES, 1 << (len(blocks[0]) - 1).bit_length())
+    width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
 
-    def work(rows: np.ndarray, device: jax.Device) -> tuple[Outcome, Any, Any]:
+    swept = tuple(name for name, value in vars(params).items() if np.ndim(value))
+    program = (record, static, swept, scene.sensed_shape, capacity, width, *devices)
+
+    def begin(rows: np.ndarray, device: jax.Device) -> tuple[Any, ...]:
         # Rows past the last one repeat it: shapes stay those that are compiled already.
-        padded = np.minimum(rows[0] + np.arange(capacity), rows[-1])
+        padded = rows[np.minimum(np.arange(capacity), len(rows) - 1)]
         jobs = scene.rows(padded)
         own = _params_of(params, padded)
         jobs = jax.device_put(jobs, device)  # and so the kernel runs there; it takes up the rest
         if record:
-            return jax.device_get(_once_traced(_record, jobs, own, static))
-        width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
-        found = _once_traced(_run, jobs, own, static, np.int32(len(rows)), width)
-        return (*jax.device_get(found), None)
+            return _call(program, _record, jobs, own, static)
+        return _call(program, _run, jobs, own, static, np.int32(len(rows)), width)
 
-    results = list(share_out(work, blocks, devices))
+    def work(rows: np.ndarray, device: jax.Device) -> tuple[Any, ...]:
+        return _on_host(begin(rows, device))
+
+    if program in _compiled and len(blocks) <= len(devices):
+        # A device works while the next one's block begins: no threads that start, and wait for
+        # the interpreter, which takes 3 ms of a call.
+        results = [_on_host(found) for found in list(map(begin, blocks, devices))]
+    else:
+        results = list(share_out(work, blocks, devices))
+        _compiled.add(program)
     return _collect(results, blocks, scene, params, static)
 
 
-def _once_traced(kernel: Any, *arguments: Any) -> Any:
+def _call(program: tuple[Any, ...], kernel: Any, *arguments: Any) -> tuple[Any, ...]:
     """Call a jitted kernel; of several devices, the first traces it for all."""
-    with _tracing:
-        kernel.trace(*arguments)
+    if program not in _compiled:
+        with _tracing:
+            kernel.trace(*arguments)
     return kernel(*arguments)
 
 
-def _blocks(count: int, devices: int, most: int) -> list[np.ndarray]:
-    """Rows 0 .. count - 1 in even blocks of at most `most`, as many for each device."""
-    per_device = -(-count // (most * devices))
-    return np.array_split(np.arange(count), min(count, per_device * devices))
+def _on_host(found: tuple[Any, ...]) -> tuple[Any, ...]:
+    return jax.tree.map(np.asarray, found)
+
+
+def _dealt(steps: np.ndarray, devices: int, most: int) -> list[np.ndarray]:
+    """Rows in blocks of at most `most`, as many for each device, all alike and longest first.
+
+    Work that is long and starts late is what a device ends with, in lanes of which most idle.
+    """
+    longest_first = np.argsort(-steps, kind="stable")
+    per_device = -(-len(steps) // (most * devices))
+    blocks = min(len(steps), per_device * devices)
+    return [longest_first[block::blocks] for block in range(blocks)]
 
 
 def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
@@ -268,32 +289,36 @@ def _record(
 
 
 def _collect(
-    results: list[tuple[Outcome, Any, Any]],
+    results: list[tuple[Any, ...]],
     blocks: list[np.ndarray],
     scene: Scene,
     params: DwaParams,
     static: DwaStatic,
 ) -> NavigateResult:
-    def joined(name: str) -> np.ndarray:
-        parts = zip(results, blocks, strict=True)
-        return np.concatenate([np.asarray(getattr(r[0], name))[: len(rows)] for r, rows in parts])
+    place = np.argsort(np.concatenate(blocks))  # of each episode among the results
 
-    steps, length = joined("steps"), joined("path_length")
+    def joined(parts: list[Any]) -> np.ndarray:
+        pairs = zip(parts, blocks, strict=True)
+        return np.concatenate([part[: len(rows)] for part, rows in pairs])[place]
+
+    ends: list[Outcome] = [found[0] for found in results]
+    usage: list[lanes.Usage] = [found[1] for found in results]
+    steps = joined([end.steps for end in ends])
+    length = joined([end.path_length for end in ends])
     time = (steps * np.asarray(params.dt, np.float64)).astype(np.float32)
     speed = np.divide(length, time, out=np.zeros_like(length), where=time > 0)
     trajectory = None
-    if results[0][2] is not None:
-        parts = zip(results, blocks, strict=True)
-        trajectory = np.concatenate([r[2][: len(rows)] for r, rows in parts])
-        trajectory = trajectory[:, : int(steps.max()) + 1]
+    if len(results[0]) > 2:
+        most = int(steps.max()) + 1
+        trajectory = joined([found[2][:, :most] for found in results])
         trajectory[..., :2] += scene.origin.astype(np.float32)
     return NavigateResult(
-        status=joined("status"),
+        status=joined([end.status for end in ends]),
         time=time,
         path_length=length,
         mean_speed=speed,
-        min_clearance=joined("min_clearance"),
+        min_clearance=joined([end.min_clearance for end in ends]),
         steps=steps,
         trajectory=trajectory,
-        occupancy=sum(float(r[1].busy) for r in results) / sum(float(r[1].total) for r in results),
+        occupancy=sum(float(u.busy) for u in usage) / sum(float(u.total) for u in usage),
     )
