@@ -219,8 +219,10 @@ def _sail(
 
     if program in _compiled and len(blocks) <= len(devices):
         # A device works while the next one's block begins: no threads that start, and wait for
-        # the interpreter, which takes 3 ms of a call.
-        results = [_on_host(found) for found in list(map(begin, blocks, devices))]
+        # the interpreter, which takes 3 ms of a call. JAX traces anew for another default device.
+        with jax.default_device(None):
+            begun = list(map(begin, blocks, devices))
+        results = list(map(_on_host, begun))
     else:
         results = list(share_out(work, blocks, devices))
         _compiled.add(program)
