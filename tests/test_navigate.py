@@ -8,11 +8,13 @@ from functools import cache
 from pathlib import Path
 
 import jax
+import jax.monitoring
 import numpy as np
 import pytest
 from navigate_episodes import MANY, NUMBERS, PARAMS, STATIC, B, assert_same, sail, waters
 
 import usvjax as uj
+from usvjax import navigate
 from usvjax.navigate import NavigateResult
 
 
@@ -313,6 +315,43 @@ def test_company_changes_no_bit() -> None:
         alone = sail(*(a[row] for a in CLOSE), params=UNCAPPED)
         assert_same(alone, many, slice(row, row + 1))
     assert_same(sail(*(a[100:116] for a in CLOSE), params=UNCAPPED), many, slice(100, 116))
+
+
+@pytest.mark.parametrize("record", [False, True])
+def test_results_come_in_the_order_of_the_episodes(
+    plain: NavigateResult, monkeypatch: pytest.MonkeyPatch, record: bool
+) -> None:
+    # Five rows at a time, dealt by how long they promise to be, to one device and to all.
+    monkeypatch.setattr(navigate, "MOST_ROWS", 5)
+    monkeypatch.setattr(navigate, "MOST_LANES", 5)
+    assert_same(sail(*waters(), record=record), plain)
+    got = uj.navigate_dwa(*waters(), params=PARAMS, static=STATIC, record=record)
+    assert_same(got, plain)
+    if record:
+        last = got.trajectory[np.arange(B), got.steps, :2]
+        whole = sail(*waters(), record=True)
+        np.testing.assert_array_equal(last, whole.trajectory[np.arange(B), whole.steps, :2])
+
+
+def test_a_second_call_traces_nothing() -> None:
+    traced: list[str] = []
+
+    def note(event: str, _: float, **__: object) -> None:
+        traced.append(event)
+
+    def calls() -> None:
+        uj.navigate_dwa(*waters(), params=PARAMS, static=STATIC)
+        for device in jax.local_devices():
+            with jax.default_device(device):
+                uj.navigate_dwa(*waters(), params=PARAMS, static=STATIC)
+
+    calls()
+    jax.monitoring.register_event_duration_secs_listener(note)
+    try:
+        calls()
+        assert [event for event in traced if "compile" in event] == []
+    finally:
+        jax.monitoring.unregister_event_duration_listener(note)
 
 
 def test_a_heading_of_many_turns_is_the_heading() -> None:

@@ -1,6 +1,6 @@
 """Closed-loop navigation with the dynamic window approach, thousands of episodes at once."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from threading import Lock
 from typing import Any
@@ -209,7 +209,8 @@ def _sail(
         padded = rows[np.minimum(np.arange(capacity), len(rows) - 1)]
         jobs = scene.rows(padded)
         own = _params_of(params, padded)
-        jobs = jax.device_put(jobs, device)  # and so the kernel runs there; it takes up the rest
+        # With the starts on a device, the kernel runs there, and takes up the rest.
+        jobs = replace(jobs, start=jax.device_put(jobs.start, device))
         if record:
             return _call(program, _record, jobs, own, static)
         return _call(program, _run, jobs, own, static, np.int32(len(rows)), width)

@@ -64,8 +64,10 @@ class Scene:
     def expected_steps(self, params: DwaParams) -> np.ndarray:
         """Guess how many steps each episode takes, float[B]: enough to tell long from short.
 
-        That is the straight course at full speed, up to twice as long for an obstacle on it. Where
-        maps are random this ranks episodes well: correlation 0.8 on a lattice of 5 m.
+        That is the straight course at full speed, up to twice as long for an obstacle on it. Rank
+        correlation with the steps taken: 0.9 and more on Hongze Lake, where distances differ (a
+        study of 2,000 takes 1 to 6 % less); 0.8 on a lattice of 5 m; none on Tan's maps, where it
+        matters who gets stuck.
         """
         course = self.goal - self.start[:, :2]
         length = np.hypot(course[:, 0], course[:, 1])
@@ -87,8 +89,8 @@ class Scene:
             east, north = (centres[:, i] - start[rows, i, None] for i in range(2))
             x, y = ahead[rows, 0, None], ahead[rows, 1, None]
             along, across = east * x + north * y, np.abs(east * y - north * x)
-            beside = (along > 0.0) & (along < length[rows, None])
-            nearest[rows] = np.min(across, axis=1, where=beside, initial=np.inf)
+            across[(along <= 0.0) | (along >= length[rows, None])] = np.inf
+            nearest[rows] = across.min(axis=1)
         return nearest
 
 
@@ -147,9 +149,9 @@ def _repeat(name: str, rows: np.ndarray, count: int) -> np.ndarray:
 
 
 def _refuse_remote(name: str, points: np.ndarray) -> None:
-    remote = np.abs(points).max(axis=1) > MOST_REMOTE
+    remote = np.abs(points) > MOST_REMOTE
     if remote.any():
-        row = int(np.argmax(remote))
+        row = int(np.argmax(remote.any(axis=1)))
         raise BadInputError(
             f"{name}: episode {row} lies at ({points[row, 0]:g}, {points[row, 1]:g}) m; single "
             f"precision wants coordinates below {MOST_REMOTE:g} m: subtract a local origin"
