@@ -4,32 +4,41 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvkernels import lanes
 from usvkernels.xla.single import single
+from usvkernels.xla.stage import stage
 
-LANES = 16
+JOBS, LANES = 100, 16
+
+State = dict[str, jax.Array]
 
 
 def test_arguments_that_nothing_comes_of_are_left_out() -> None:
-    # XLA ends the process on them, inside two loops and a branch as in the lanes.
-    def move(given: dict[str, jax.Array], rows: jax.Array) -> dict[str, jax.Array]:
-        return {"sum": rows[0] + given["used"] * rows[1], "product": rows[0] * rows[1]}
+    # In the lanes, XLA ends the process on a piece that takes them.
+    def move(given: dict[str, jax.Array], place: jax.Array) -> jax.Array:
+        return jnp.stack([place[0] + given["used"] * place[1], place[1]])
 
     @jax.jit
-    def run(given: dict[str, jax.Array], rows: jax.Array) -> jax.Array:
-        def step(_: int, rows: jax.Array) -> jax.Array:
-            moved = jax.lax.cond(
-                given["used"] > 0.0, lambda: single(move, given, rows), lambda: move(given, rows)
-            )
-            return jnp.stack([moved["sum"], moved["product"]])
+    def run(given: dict[str, jax.Array], go: jax.Array) -> jax.Array:
+        def start(job: jax.Array) -> State:
+            place = jnp.stack([jnp.zeros(job.shape), job.astype(float)])
+            return {"place": place, "steps": jnp.zeros(job.shape, int)}
 
-        return jax.lax.fori_loop(0, 3, lambda _, rows: jax.lax.fori_loop(0, 2, step, rows), rows)
+        def step(state: State) -> State:
+            moved = stage(go, lambda *args: single(move, *args), given, state["place"])
+            return {"place": moved, "steps": state["steps"] + 1}
 
-    rows = np.linspace(0.1, 0.9, 2 * LANES, dtype=np.float32).reshape(2, LANES)
-    want = rows
-    for _ in range(6):
-        want = np.stack([want[0] + np.float32(0.5) * want[1], want[0] * want[1]])
-    given = {"unused": jnp.float32(3.0), "used": jnp.float32(0.5), "idle": jnp.ones(LANES)}
-    np.testing.assert_allclose(run(given, jnp.asarray(rows)), want, rtol=1e-6)
+        program = lanes.Program(
+            start=start,
+            step=step,
+            done=lambda state: state["steps"] >= 3,
+            result=lambda state: state["place"][0],
+            taken=lambda state: state["steps"],
+        )
+        return lanes.run(program, JOBS, capacity=JOBS, lanes=2 * LANES, chunk=2, max_steps=3)[0]
+
+    given = {"unused": jnp.array(3.0), "used": jnp.array(0.5), "idle": jnp.ones(LANES)}
+    np.testing.assert_array_equal(run(given, jnp.array(True)), 1.5 * np.arange(JOBS))
 
 
 def test_results_keep_their_structure() -> None:
