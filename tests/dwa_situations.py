@@ -12,6 +12,7 @@ import numpy.typing as npt
 from benchmarks.peers import Settings, dwa_numpy
 from usvkernels import dwa
 from usvkernels.dwa_params import DwaParams, DwaStatic
+from usvkernels.dwa_window import Motion
 
 Floats = npt.NDArray[np.float64]
 
@@ -106,7 +107,7 @@ def situations(rng: np.random.Generator, n: int, k: int, s: Settings) -> Situati
 def weigh(
     params: DwaParams,
     static: DwaStatic,
-    motion: dwa.Motion,
+    motion: Motion,
     obstacles: jax.Array,
     goal: jax.Array,
 ) -> tuple[dwa.Candidates, tuple[jax.Array, ...], tuple[jax.Array, jax.Array]]:
@@ -131,7 +132,7 @@ def kernel(s: Settings, case: Situations, params: DwaParams | None = None) -> dw
     """
     real = jnp.asarray(0.0).dtype
     numbers, static = parameters(s)
-    motion = dwa.Motion(jnp.asarray(case.states.T, real))
+    motion = Motion(jnp.asarray(case.states.T, real))
     centres = np.where(case.valid[:, :, None], case.obstacles, dwa.FAR).transpose(2, 1, 0)
     goal = jnp.asarray(case.goals.T, real)
     result = weigh(params or numbers, static, motion, jnp.asarray(centres, real), goal)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from benchmarks.peers import SLACK, Settings
 from benchmarks.peers.dwa_numpy import Bools, Decision, wrap
-from usvkernels import dwa
+from usvkernels import dwa_window
 
 K = 8
 TIE = 1e-10  # between two scores in float64
@@ -52,10 +52,10 @@ def test_window_lies_inside_the_limits(
         TRADITIONAL, dt=dt, v_acc=v_acc, v_dec=v_dec, w_acc=w_acc, w_dec=w_dec, n_v=11, n_w=22
     )
     params, static = parameters(s)
-    resolution = dwa.resolution(params, static, jnp.dtype("float32"))
+    resolution = dwa_window.resolution(params, static, jnp.dtype("float32"))
     v_i, inside_v, w_j, inside_w = (
         np.asarray(a)[:, 0]
-        for a in dwa.window(params, resolution, jnp.float32([v]), jnp.float32([w]))
+        for a in dwa_window.window(params, resolution, jnp.float32([v]), jnp.float32([w]))
     )
     rounding = 3e-7
     for values, inside, now, low, high, dec, acc, step in (

@@ -12,7 +12,7 @@ from navigate_episodes import PARAMS, STATIC, B, assert_same, sail
 import usvjax as uj
 from usvjax.navigate import NavigateResult
 from usvjax.scene import _chart, set_scene
-from usvkernels.dwa import Motion
+from usvkernels.dwa_window import Motion
 from usvkernels.episodes import sensed
 
 NEAR_SHORE = replace(PARAMS, radius=0.6)

@@ -13,7 +13,7 @@ from usvjax.checks import float_array, whole_number
 from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices, share_out
 from usvjax.presets import check_dwa
 from usvjax.scene import Scene, padded, set_scene
-from usvkernels import dwa, episodes, lanes
+from usvkernels import dwa, dwa_window, episodes, lanes
 from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.episodes import Jobs, Outcome
 from usvkernels.lanes import LEAST_LANES
@@ -157,7 +157,7 @@ def dwa_candidates(
     points = float_array("obstacles", obstacles, (None, 2))
     now = float_array("state", state, (5,))
     target = float_array("goal", goal, (2,))
-    motion = dwa.Motion(jnp.asarray(now[:, None], jnp.float32))
+    motion = dwa_window.Motion(jnp.asarray(now[:, None], jnp.float32))
     centres = jnp.asarray(padded(points[None])[0])[:, :, None]
     found, paths, command = _open_up(
         params, static, motion, centres, jnp.asarray(target[:, None], jnp.float32)
@@ -180,12 +180,12 @@ def dwa_candidates(
 def _open_up(
     params: DwaParams,
     static: DwaStatic,
-    motion: dwa.Motion,
+    motion: dwa_window.Motion,
     obstacles: jax.Array,
     goal: jax.Array,
 ) -> tuple[dwa.Candidates, jax.Array, tuple[jax.Array, jax.Array]]:
     found = dwa.candidates(params, static, motion, obstacles, goal)
-    paths = dwa.predicted_paths(params, static, motion)
+    paths = dwa_window.predicted_paths(params, static, motion)
     return found, paths, dwa.decide(params, static, motion, obstacles, goal)
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from usvjax.checks import one_of, whole_number
 from usvjax.errors import BadInputError, BadTypeError
-from usvkernels.dwa import SLACK
 from usvkernels.dwa_params import DwaParams, DwaStatic
+from usvkernels.dwa_window import SLACK
 
 KNOT = 1852.0 / 3600.0  # m/s
 NAUTICAL_MILE = 1852.0  # m

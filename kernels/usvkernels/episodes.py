@@ -8,8 +8,9 @@ import jax.numpy as jnp
 from jax import Array
 
 from usvkernels.clearance import FAR, nearest_distance
-from usvkernels.dwa import Motion, decide, unknown_true
+from usvkernels.dwa import decide
 from usvkernels.dwa_params import DwaParams, DwaStatic
+from usvkernels.dwa_window import Motion, unknown_true
 from usvkernels.lanes import Program
 from usvkernels.status import Status
 from usvkernels.vessel import unicycle_step
