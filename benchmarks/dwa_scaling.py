@@ -1,12 +1,11 @@
 """Cost per episode from a thousand to a hundred thousand episodes."""
 
 import statistics
-import time
 from functools import partial
 from typing import Any
 
 from benchmarks.markdown import table, verdict
-from benchmarks.timing import in_turns, spread
+from benchmarks.timing import REPETITIONS, seconds_of, spread
 from benchmarks.workloads import Workload, fixed_length, heavy_tailed, of_method
 from usvjax.navigate import NavigateResult
 
@@ -28,22 +27,19 @@ def measure(quick: bool) -> dict[str, Any]:
 
 def _timed(work: Workload, sizes: tuple[int, ...]) -> dict[str, Any]:
     results: dict[int, NavigateResult] = {}
-    seconds: dict[int, list[float]] = {}
+    seconds: dict[int, list[float]] = {n: [] for n in sizes}
 
-    def sail(some: Workload, calls: int) -> None:
-        taken = seconds.setdefault(len(some), [])
-        for _ in range(calls):
-            began = time.perf_counter()
-            results[len(some)] = some.sail()
-            taken.append(time.perf_counter() - began)
+    def sail(some: Workload) -> None:
+        results[len(some)] = some.sail()
 
     # From 10,000 on they share a program, which saves warming up the largest.
     for n in sizes:
         if n <= AT_ONCE:
-            sail(work.rows(slice(n)), 1)
-    seconds.clear()
-    turns = {str(n): partial(sail, work.rows(slice(n)), max(1, AT_ONCE // n)) for n in sizes}
-    in_turns(turns, warm=False)
+            sail(work.rows(slice(n)))
+    for _ in range(REPETITIONS):
+        for n in sizes:
+            call = partial(sail, work.rows(slice(n)))
+            seconds[n] += [seconds_of(call) for _ in range(max(1, AT_ONCE // n))]
     return {
         str(n): {
             "median": statistics.median(seconds[n]),

@@ -7,18 +7,14 @@ from navigate_episodes import PARAMS, STATIC
 from scipy.stats import spearmanr
 
 import usvjax as uj
-from usvjax.scene import Scene, set_scene
+from usvjax.scene import set_scene
 
 START, GOAL = [0.0, 0.0, 0.0], [10.0, 0.0]
 
 
 def expected(obstacles: object, params: uj.DwaParams = PARAMS) -> np.ndarray:
-    scene = scene_of(obstacles, params)
+    scene = set_scene(obstacles, START, GOAL, None, params, STATIC, None)
     return scene.expected_steps(params)
-
-
-def scene_of(obstacles: object, params: uj.DwaParams = PARAMS) -> Scene:
-    return set_scene(obstacles, START, GOAL, None, params, STATIC, None)
 
 
 def test_steps_are_those_of_the_straight_course_at_full_speed() -> None:

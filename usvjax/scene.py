@@ -1,5 +1,6 @@
 """The scenes of episodes, checked: circles per episode, or a map shared by all."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import sqrt
@@ -83,10 +84,7 @@ class Scene:
         ahead = (course / np.maximum(length, TINY)[:, None]).astype(np.float32)
         start, length = self.start.astype(np.float32), length.astype(np.float32)
         nearest = np.empty(len(length), np.float32)
-        for first in range(0, len(length), ROWS_AT_ONCE):
-            rows = slice(first, first + ROWS_AT_ONCE)
-            centres = self.obstacles[rows] if len(self.obstacles) > 1 else self.obstacles
-            east, north = (centres[:, i] - start[rows, i, None] for i in range(2))
+        for rows, east, north in _offsets(self.obstacles, start):
             x, y = ahead[rows, 0, None], ahead[rows, 1, None]
             along, across = east * x + north * y, np.abs(east * y - north * x)
             across[(along <= 0.0) | (along >= length[rows, None])] = np.inf
@@ -207,19 +205,27 @@ def padded(centres: np.ndarray, shown: np.ndarray | None = None) -> np.ndarray:
     return packed
 
 
-def _refuse_inside(
-    packed: np.ndarray, start: np.ndarray, radius: np.ndarray, origin: np.ndarray
-) -> None:
+def _offsets(
+    packed: np.ndarray, start: np.ndarray
+) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
+    """How far east and north (m) of its start an episode's centres lie, some rows at a time."""
     for first in range(0, len(start), ROWS_AT_ONCE):
         rows = slice(first, first + ROWS_AT_ONCE)
         centres = packed[rows] if len(packed) > 1 else packed
-        east, north = (centres[:, i] - start[rows, i, None] for i in range(2))
+        yield rows, centres[:, 0] - start[rows, 0, None], centres[:, 1] - start[rows, 1, None]
+
+
+def _refuse_inside(
+    packed: np.ndarray, start: np.ndarray, radius: np.ndarray, origin: np.ndarray
+) -> None:
+    for rows, east, north in _offsets(packed, start):
         inside = east * east + north * north < np.reshape(_of_rows(radius, rows), (-1, 1)) ** 2
         if inside.any():
             row, k = (int(i) for i in np.argwhere(inside)[0])
-            x, y = (centres[row] if len(centres) > 1 else centres[0])[:, k] + origin
+            row += rows.start
+            x, y = packed[row if len(packed) > 1 else 0][:, k] + origin
             raise BadInputError(
-                f"starts: episode {first + row} starts inside the obstacle at ({x:g}, {y:g}) m; "
+                f"starts: episode {row} starts inside the obstacle at ({x:g}, {y:g}) m; "
                 "wanted a start outside every inflated circle"
             )
 

@@ -10,14 +10,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from usvkernels.clearance import (
-    FAR,
-    Scalar,
-    centres,
-    fold_blocks,
-    in_sector,
-    nearest_squared,
-)
+from usvkernels.clearance import FAR, Scalar, centres, fold_blocks, in_sector, nearest_squared
 from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.dwa_window import SLACK, Fan, Motion, Window, open_window, unknown_true
 from usvkernels.trig import angle_between, sincos
@@ -226,7 +219,7 @@ def decide(
     return stage(unknown_true(params), chosen, params, motion, goal, window)
 
 
-@partial(jax.jit, static_argnums=0)  # as `_commands`
+@partial(jax.jit, static_argnums=0)  # traced once for all branches of a stage
 def _decide(
     static: DwaStatic, params: DwaParams, motion: Motion, goal: Array, window: Window
 ) -> tuple[Array, Array]:
@@ -234,7 +227,6 @@ def _decide(
     return single(partial(_command, static), params, motion, goal, found.v, found.w, found.score)
 
 
-@partial(jax.jit, static_argnums=0)
 def _command(
     static: DwaStatic,
     params: DwaParams,

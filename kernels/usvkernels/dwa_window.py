@@ -239,5 +239,4 @@ def predicted_paths(params: DwaParams, static: DwaStatic, motion: Motion) -> Arr
 
     _, chords = jax.lax.scan(advance, (origin, fan.first), None, length=static.horizon)
     relative = jnp.concatenate([origin[None], chords]).swapaxes(0, 1)
-    position = jnp.stack([motion.x, motion.y], axis=-1)
-    return position + v_i[:, None, None, :, None] * relative
+    return motion.place.T + v_i[:, None, None, :, None] * relative

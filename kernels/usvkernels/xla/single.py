@@ -43,9 +43,10 @@ def single(fn: Callable[..., Out], *args: Any) -> Out:
         with set_xla_metadata(**_INSIDE):  # the mark is for the call, not for what is in it
             return needed(*leaves)
 
-    def piece(*args: Any) -> Out:
+    def piece(*leaves: Any) -> list[Any]:
         with set_xla_metadata(**_PIECE):
-            out = jax.jit(inside)(*compress(jax.tree.leaves(args), used))
-        return jax.tree.unflatten(jax.tree.structure(shape), out)
+            return jax.jit(inside)(*leaves)
 
-    return lax.platform_dependent(*args, cpu=piece, default=fn)
+    leaves = compress(jax.tree.leaves(args), used)
+    out = lax.platform_dependent(*leaves, cpu=piece, default=needed)
+    return jax.tree.unflatten(jax.tree.structure(shape), out)
