@@ -1,6 +1,6 @@
 """Closed-loop navigation with the dynamic window approach, thousands of episodes at once."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import partial
 from threading import Lock
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.sharding import SingleDeviceSharding
 
 from usvjax.checks import float_array, whole_number
 from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices, share_out
@@ -25,7 +26,7 @@ CHUNK = 8  # steps between two refills
 OPTIONS = COMPILER_OPTIONS | ONE_THREAD
 
 _tracing = Lock()
-_compiled: set[tuple[Any, ...]] = set()  # programs that all their devices hold
+_compiled: dict[tuple[Any, ...], Any] = {}  # a device's programs, by what they depend on
 
 
 @dataclass(frozen=True)
@@ -202,40 +203,46 @@ def _sail(
     width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
 
     swept = tuple(name for name, value in vars(params).items() if np.ndim(value))
-    program = (record, static, swept, scene.sensed_shape, capacity, width, *devices)
+    charted = scene.chart is not None
+    program = (record, static, swept, charted, scene.sensed_shape, capacity, width)
 
     def begin(rows: np.ndarray, device: jax.Device) -> tuple[Any, ...]:
         # Rows past the last one repeat it: shapes stay those that are compiled already.
         padded = rows[np.minimum(np.arange(capacity), len(rows) - 1)]
-        jobs = scene.rows(padded)
-        own = _params_of(params, padded)
-        # With the starts on a device, the kernel runs there, and takes up the rest.
-        jobs = replace(jobs, start=jax.device_put(jobs.start, device))
+        jobs, own = scene.rows(padded), _params_of(params, padded)
         if record:
-            return _call(program, _record, jobs, own, static)
-        return _call(program, _run, jobs, own, static, np.int32(len(rows)), width)
+            return _on(device, program, _record, jobs, own, static=static)
+        count = np.int32(len(rows))
+        return _on(device, program, _run, jobs, own, count, static=static, width=width)
 
     def work(rows: np.ndarray, device: jax.Device) -> tuple[Any, ...]:
         return _on_host(begin(rows, device))
 
-    if program in _compiled and len(blocks) <= len(devices):
+    used = devices[: len(blocks)]
+    if len(blocks) == len(used) and all((*program, device) in _compiled for device in used):
         # A device works while the next one's block begins: no threads that start, and wait for
-        # the interpreter, which takes 3 ms of a call. JAX traces anew for another default device.
-        with jax.default_device(None):
-            begun = list(map(begin, blocks, devices))
-        results = list(map(_on_host, begun))
+        # the interpreter, which takes 3 ms of a call.
+        results = list(map(_on_host, list(map(begin, blocks, used))))
     else:
         results = list(share_out(work, blocks, devices))
-        _compiled.add(program)
     return _collect(results, blocks, scene, params, static)
 
 
-def _call(program: tuple[Any, ...], kernel: Any, *arguments: Any) -> tuple[Any, ...]:
-    """Call a jitted kernel; of several devices, the first traces it for all."""
-    if program not in _compiled:
-        with _tracing:
-            kernel.trace(*arguments)
-    return kernel(*arguments)
+def _on(
+    device: jax.Device, program: tuple[Any, ...], kernel: Any, *arrays: Any, **static: Any
+) -> tuple[Any, ...]:
+    """Run a jitted kernel on a device; numpy arrays go there with the call, not before it."""
+    key = (*program, device)
+    if key not in _compiled:
+        there = partial(_shape_on, SingleDeviceSharding(device))
+        with _tracing:  # the first device traces for all
+            traced = kernel.trace(*jax.tree.map(there, arrays), **static)
+        _compiled[key] = traced.lower().compile()
+    return _compiled[key](*arrays)
+
+
+def _shape_on(device: SingleDeviceSharding, array: Any) -> jax.ShapeDtypeStruct:
+    return jax.ShapeDtypeStruct(array.shape, array.dtype, sharding=device)
 
 
 def _on_host(found: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -261,7 +268,7 @@ def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
 
 @partial(jax.jit, static_argnames=("static", "width"), compiler_options=OPTIONS)
 def _run(
-    jobs: Jobs, params: DwaParams, static: DwaStatic, count: jax.Array, width: int
+    jobs: Jobs, params: DwaParams, count: jax.Array, *, static: DwaStatic, width: int
 ) -> tuple[Outcome, lanes.Usage]:
     return lanes.run(
         episodes.program(jobs, params, static),
@@ -275,7 +282,7 @@ def _run(
 
 @partial(jax.jit, static_argnames="static", compiler_options=OPTIONS)
 def _record(
-    jobs: Jobs, params: DwaParams, static: DwaStatic
+    jobs: Jobs, params: DwaParams, *, static: DwaStatic
 ) -> tuple[Outcome, lanes.Usage, jax.Array]:
     rows = jobs.start.shape[0]
     outcome, seen = lanes.record(
