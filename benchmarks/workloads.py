@@ -10,7 +10,7 @@ from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.status import Status
 
 SEED = 2022
-FIXED_STEPS = 128  # four times the steps between two refills of the lanes, so none idles
+FIXED_STEPS = 128  # a multiple of the steps between two refills of the lanes, so none idles
 OBSTACLES = 40
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from usvjax.errors import BadInputError
 from usvjax.plots.style import write_atomically
 
 RESULTS = Path(__file__).parent / "results"
@@ -21,19 +22,43 @@ def results_folder(paper: str, out: Path | None, quick: bool) -> Path:
     Args:
         paper: its name.
         out: the folder that was asked for, if any.
-        quick: whether this is but a quick look, which leaves recorded results alone.
+        quick: whether this is but a quick look, or of another size than the recorded results,
+            which it leaves alone.
 
     Returns:
         `out`, else runs/PAPER_quick, else experiments/results/PAPER in the checkout.
 
     Raises:
-        BadInputError: it cannot be written.
+        BadInputError: it cannot be written, or holds something else.
     """
     folder = out or (QUICK_RESULTS / f"{paper}_quick" if quick else RESULTS / paper)
+    if not _may_be_replaced(folder, paper):
+        raise BadInputError(
+            f"{folder} holds files that 'usvjax reproduce {paper}' did not write; wanted a new or "
+            f"empty folder, or earlier results of {paper}; name one with --out"
+        )
     probe = folder / ".writable"
     write_atomically(probe, lambda path: path.write_text(""))
     probe.unlink()
     return folder
+
+
+def _may_be_replaced(folder: Path, paper: str) -> bool:
+    """Whether a folder is new, empty, or holds results of the paper, whose page says so.
+
+    Raises:
+        BadInputError: it cannot be read.
+    """
+    page = folder / "README.md"
+    try:
+        if not folder.is_dir() or not any(folder.iterdir()):
+            return True
+        if not page.is_file():
+            return False
+        text = page.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        raise BadInputError(f"cannot read {folder}: {error.strerror}") from error
+    return f"Written by `usvjax reproduce {paper}`" in text
 
 
 @contextmanager

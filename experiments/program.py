@@ -5,15 +5,17 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+import tyro
 from rich.console import Console
 
 from experiments.files import results_folder, write_json, write_text
 from experiments.verdicts import Verdict, console_table
+from usvjax.cli import usage_in_one_line
 from usvjax.errors import BadInputError, BadTypeError
 
 
 class Options(Protocol):
-    """Options that every program has."""
+    """Options that every program has; the others are sizes, None for the default."""
 
     @property
     def quick(self) -> bool:
@@ -30,22 +32,38 @@ Given = TypeVar("Given", bound=Options)
 Plan = TypeVar("Plan")
 
 
-def begin(paper: str, options: Given, plan_of: Callable[[Given], Plan]) -> tuple[Plan, Path] | None:
-    """Turn options into a plan and make the folder for results, before anything is computed.
+def begin(
+    paper: str,
+    kind: type[Given],
+    argv: Sequence[str] | None,
+    plan_of: Callable[[Given], Plan],
+) -> tuple[Given, Plan, Path] | None:
+    """Read options, plan, and make the folder for results, before anything is computed.
 
     Args:
         paper: its name.
-        options: of the command line.
+        kind: the class of its options.
+        argv: options; those of the process when None.
         plan_of: makes a plan of them; may refuse them.
 
     Returns:
-        The plan and the folder; None, after one line on stderr, for a user's mistake.
+        Options, plan and folder; None, after one line on stderr, for a user's mistake.
     """
+    prog = f"usvjax reproduce {paper}"
     try:
-        return plan_of(options), results_folder(paper, options.out, options.quick)
+        with usage_in_one_line(prog):
+            options = tyro.cli(kind, args=argv, prog=prog)
+        plan = plan_of(options)
+        return options, plan, results_folder(paper, options.out, _is_a_look(options))
     except (BadInputError, BadTypeError) as error:
         print(f"{paper}: {error}", file=sys.stderr)
         return None
+
+
+def _is_a_look(options: Options) -> bool:
+    """Whether a run is quick or of a size of one's own, and so not one for the record."""
+    sizes = {name: size for name, size in vars(options).items() if name not in ("quick", "out")}
+    return options.quick or any(size is not None for size in sizes.values())
 
 
 def conclude(

@@ -61,6 +61,14 @@ def test_show_of_nothing_but_land_or_water(
     assert words in capsys.readouterr().out
 
 
+def test_show_of_cells_whose_area_is_beyond_a_float(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_map(GridMap(POND, 1e200), tmp_path / "a.map")
+    run("show", tmp_path / "a.map")
+    assert "inf km2" in capsys.readouterr().out
+
+
 def test_sketch_is_north_up_in_half_blocks() -> None:
     """Rows of POND from the south: ..#. / #... / ##.#; the odd one out fills its line."""
     assert sketch(POND, 80, 20).plain.splitlines() == ["█▀ ▀", "  █ "]
@@ -94,15 +102,30 @@ def test_convert_says_how_to_load_an_image(
 
 
 def test_convert_replaces_only_when_told(tmp_path: Path) -> None:
-    out = tmp_path / "pond.yaml"
-    save_map(GridMap(POND), tmp_path / "pond.pgm")
-    before = (tmp_path / "pond.pgm").read_bytes()
-    with pytest.raises(BadInputError, match=r"pond\.pgm: exists already"):
-        run("convert", tmp_path / "pond.pgm", out, "--cell-size", 2)
-    assert (tmp_path / "pond.pgm").read_bytes() == before
-    assert not out.exists()
-    run("convert", tmp_path / "pond.pgm", out, "--cell-size", 2, "--force")
+    source, out = tmp_path / "pond.png", tmp_path / "lake.yaml"
+    save_map(GridMap(POND), source)
+    save_map(GridMap(~POND), out)
+    with pytest.raises(BadInputError, match=r"lake\.pgm: exists already; .*--force"):
+        run("convert", source, out, "--cell-size", 2)
+    assert load_map(out) == GridMap(~POND)
+    run("convert", source, out, "--cell-size", 2, "--force")
     assert load_map(out) == GridMap(POND, 2.0)
+
+
+@pytest.mark.parametrize("options", [(), ("--force",)])
+def test_convert_spares_the_image_that_it_reads(tmp_path: Path, options: tuple[str, ...]) -> None:
+    source = tmp_path / "pond.pgm"
+    save_map(GridMap(POND), source)
+    before = source.read_bytes()
+    with pytest.raises(BadInputError, match=r"pond\.pgm: is not the image of pond\.yaml"):
+        run("convert", source, tmp_path / "pond.yaml", "--cell-size", 2, *options)
+    assert source.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [source]
+
+
+def test_convert_takes_a_packaged_name_with_a_point(tmp_path: Path) -> None:
+    run("convert", "hongze-62.5", tmp_path / "lake.map")
+    assert load_map(tmp_path / "lake.map") == hongze_lake(62.5)
 
 
 def test_convert_passes_on_threshold_and_unknown(tmp_path: Path) -> None:

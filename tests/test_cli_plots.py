@@ -71,7 +71,8 @@ def lake_run(tmp_path_factory):
     blocked = np.ones((14, 18), bool)
     blocked[2:12, 2:16] = False
     blocked[5:8, 8:10] = True
-    save_map(GridMap(blocked), folder / "pond.map")
+    # At UTM coordinates, where single precision is too coarse for a vessel's steps.
+    save_map(GridMap(blocked, origin=(500_000.0, 4_400_000.0)), folder / "pond.map")
     (folder / "pond.toml").write_text(POND_STUDY)
     return run_study(load_spec(folder / "pond.toml"), folder / "runs", devices=1).path
 
@@ -123,7 +124,10 @@ def test_the_fan_on_a_chart_knows_the_shore_that_the_vessel_sensed(lake_run):
     last = int(found.result.steps[0]) - 1
     for step in (0, last // 2, last):
         state, after = found.trajectories[0, step], found.trajectories[0, step + 1]
-        np.testing.assert_allclose(decide(state).command, after[3:], atol=1e-5)
+        opened = decide(state)
+        np.testing.assert_allclose(opened.command, after[3:], atol=1e-5)
+        np.testing.assert_allclose(opened.paths[..., 0, :] - state[:2], 0.0, atol=1e-5)
+        assert np.abs(opened.end - state[:2]).max() < 2.0
 
 
 def test_a_run_of_other_code_is_not_passed_off_as_the_table(lattice_run):
@@ -259,6 +263,13 @@ def test_animate_writes_the_episode_asked_for(lattice_run, tmp_path, capsys):
         assert image.n_frames == 3
 
 
+def test_animate_writes_one_frame_where_one_is_asked_for(lattice_run, tmp_path):
+    out = tmp_path / "one.gif"
+    assert main(["animate", str(lattice_run), "--max-frames", "1", "--out", str(out)]) == 0
+    with Image.open(out) as image:
+        assert image.n_frames == 1
+
+
 def test_animate_takes_the_example_by_default(lattice_run, tmp_path, capsys):
     table = load_run(lattice_run).table().filter(pl.col("condition") == 1)
     job, _ = typical_job(table, ["traditional", "improved"])
@@ -295,6 +306,12 @@ def test_animate_takes_the_example_by_default(lattice_run, tmp_path, capsys):
         (["animate", "{run}", "--out", "a.txt"], "suffix '.txt' is not one of .gif, .mp4"),
         (["animate", "{run}", "--fps", "0"], "fps is 0"),
         (["animate", "{run}", "--max-frames", "0"], "max_frames is 0"),
+        (["animate", "{run}", "--job", "1.5"], "usvjax: --job: got '1.5'; wanted a whole number ("),
+        (["animate", "{run}", "--fps", "x"], "usvjax: --fps: got 'x'; wanted a whole number ("),
+        (
+            ["plot", "{run}", "--max-paths", "it's"],
+            '--max-paths: got "it\'s"; wanted a whole number',
+        ),
     ],
 )
 def test_bad_input_is_one_line_and_writes_nothing(

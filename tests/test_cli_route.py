@@ -159,7 +159,7 @@ def test_no_route_is_a_status_and_another_exit_code(chart, tmp_path, capsys):
         (("--from", "1,1"), "Missing from usvjax route: --to X,Y"),
         (("--from", "1,1", "--to", "2,3", "--connectivity", "6"), "invalid choice '6'"),
         (("--from", "1,1", "--to", "2,3", "--bogus"), "Unrecognized options: --bogus"),
-        (("--from", "1,1", "--to", "2,3", "--weight", "x"), "could not convert string to float"),
+        (("--from", "1,1", "--to", "2,3", "--weight", "x"), "--weight: got 'x'; wanted a number"),
         (("--from", "1,1", "--to", "2,3", "--inflate", "-1"), "--inflate: got -1"),
         (("--from", "1,1", "--to", "2,3", "--inflate", "9999"), "the map has no free cell"),
         (("--from", "1,1", "--to", "2,3", "--plot", "a.gif"), "a.gif: suffix '.gif'"),

@@ -49,6 +49,11 @@ def test_number_of_host_devices(code: str, variable: str, count: int) -> None:
     assert run_python(code, JAX_NUM_CPU_DEVICES=variable, XLA_FLAGS="") == str(count)
 
 
+def test_number_of_host_devices_by_a_flag() -> None:
+    flags = "--xla_force_host_platform_device_count=4"
+    assert run_python(COUNT, JAX_NUM_CPU_DEVICES="", XLA_FLAGS=flags) == "4"
+
+
 def test_usable_cores_follow_the_affinity() -> None:
     assert 1 <= usable_cores() <= (os.cpu_count() or 1)
     if hasattr(os, "sched_setaffinity"):

@@ -9,11 +9,24 @@ import pytest
 from corner_grids import grids, shortest
 
 from experiments import parallel, textbook, verdicts
-from experiments.files import results_folder, rounded
+from experiments.chen2023 import __main__ as chen2023
+from experiments.files import RESULTS, results_folder, rounded
+from experiments.program import begin
+from experiments.tan2022 import __main__ as tan2022
 from experiments.textbook import LOWER_FIRST, STRAIGHTS_FIRST, UPPER_FIRST, Rules
+from experiments.wei2023 import __main__ as wei2023
+from experiments.yu2022 import __main__ as yu2022
+from experiments.zhang2019 import __main__ as zhang2019
 from experiments.zhang2019.runs import measure
 
 EXACT = Rules(1000, 1400, heuristic="octile")
+PROGRAMS = {
+    "chen2023": (chen2023, "--scenes"),
+    "tan2022": (tan2022, "--episodes"),
+    "wei2023": (wei2023, "--scenes"),
+    "yu2022": (yu2022, "--swarm-runs"),
+    "zhang2019": (zhang2019, "--maps"),
+}
 
 
 def cost_of(path):
@@ -88,6 +101,60 @@ def test_numbers_are_rounded_and_recorded_results_are_left_alone(tmp_path, monke
     monkeypatch.chdir(tmp_path)
     assert results_folder("yu2022", None, quick=True) == Path("runs/yu2022_quick")
     assert results_folder("yu2022", tmp_path / "here", quick=False) == tmp_path / "here"
+
+
+def ready_for(paper, *args):
+    """The folder that a program would write to, by its own options; nothing is run."""
+    ready = begin(paper, PROGRAMS[paper][0].Options, list(args), lambda options: None)
+    return None if ready is None else ready[2]
+
+
+@pytest.mark.parametrize("paper", PROGRAMS)
+def test_only_a_run_of_default_size_writes_over_the_record(paper, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    size = PROGRAMS[paper][1]
+    assert ready_for(paper) == RESULTS / paper
+    for args in (["--quick"], [size, "20"], ["--quick", size, "20"]):
+        assert ready_for(paper, *args) == Path(f"runs/{paper}_quick")
+    assert ready_for(paper, size, "20", "--out", "mine") == Path("mine")
+
+
+@pytest.mark.parametrize("paper", PROGRAMS)
+def test_a_folder_of_something_else_is_refused_and_left_alone(paper, tmp_path, capsys):
+    program, size = PROGRAMS[paper]
+    other = "Written by `usvjax reproduce` of somebody2099"
+    for name, text in (("README.md", "mine"), ("README.md", other), ("notes.txt", "mine")):
+        folder = tmp_path / str(len(list(tmp_path.iterdir())))
+        folder.mkdir()
+        assert ready_for(paper, "--out", str(folder)) == folder
+        (folder / name).write_text(text)
+        assert program.main(["--quick", size, "1", "--out", str(folder)]) == 2
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert err.count("\n") == 1
+        assert f"{folder} holds files that 'usvjax reproduce {paper}' did not write" in err
+        assert [file.name for file in folder.iterdir()] == [name]
+        assert (folder / name).read_text() == text
+
+
+@pytest.mark.parametrize("paper", PROGRAMS)
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["--foo"], "Unrecognized options: --foo"),
+        (["SIZE", "x"], "SIZE: got 'x'; wanted a whole number"),
+        (["SIZE", "0"], "SIZE: got 0; wanted at least 1"),
+    ],
+)
+def test_options_that_cannot_be_used_are_one_line(paper, args, words, tmp_path, capsys):
+    program, size = PROGRAMS[paper]
+    given = [arg.replace("SIZE", size) for arg in args]
+    assert program.main([*given, "--out", str(tmp_path / "new")]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(f"{paper}: {words.replace('SIZE', size)}")
+    assert err.count("\n") == 1
+    assert not (tmp_path / "new").exists()
 
 
 def test_a_verdict_weighs_the_findings_that_there_are():

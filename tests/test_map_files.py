@@ -157,6 +157,17 @@ def test_movingai_refuses(tmp_path: Path, content: str | bytes, words: str) -> N
         ('{"cell_size_m": -1}', "cell_size_m: got -1"),
         ('{"cell_size_m": "250"}', "cell_size_m: got '250'"),
         ('{"cell_size_m": NaN}', "cell_size_m: got nan"),
+        pytest.param(
+            f'{{"cell_size_m": 1{"0" * 400}}}',
+            "cell_size_m: got a whole number of more than 308 digits",
+            id="401 digits",
+        ),
+        pytest.param(
+            f'{{"cell_size_m": 1{"0" * 5000}}}',
+            "holds a whole number of too many digits",
+            id="5001 digits",
+        ),
+        pytest.param("[" * 100_000, r"not valid JSON \(nested too deeply\)", id="nested"),
         ('{"origin": [0]}', "origin: got 1 numbers"),
         ('{"origin": 5}', "origin: got 5"),
         ('{"row_0": "top"}', "row_0: got 'top'"),
@@ -220,6 +231,7 @@ def test_a_folder_is_no_map(tmp_path: Path) -> None:
         ({"path": "a.tif"}, BadInputError, r"a\.tif: got suffix '\.tif'; wanted one of \.map"),
         ({"path": "lake"}, BadInputError, "lake: got suffix ''"),
         ({"path": 3}, BadTypeError, "path: got 3"),
+        ({"path": "a\0.map"}, BadInputError, r"path: got 'a\\x00\.map'; wanted .* without NUL"),
         ({"path": "a.map", "cell_size": -1.0}, BadInputError, "cell_size: got -1"),
         ({"path": "a.map", "cell_size": "1"}, BadTypeError, "cell_size: got '1'"),
         ({"path": "a.map", "origin": (1.0,)}, BadInputError, "origin: got 1 numbers"),
@@ -241,11 +253,27 @@ def test_save_map_refuses(tmp_path: Path) -> None:
 
 
 def test_without_replace_every_file_is_spared(tmp_path: Path) -> None:
+    sidecar = write(tmp_path / "pond.json", '{"cell_size_m": 3}')
+    with pytest.raises(BadInputError, match=r"pond\.json: exists already; give replace=True"):
+        save_map(GridMap(POND), tmp_path / "pond.map", replace=False)
+    assert sidecar.read_text() == '{"cell_size_m": 3}'
+    assert [path.name for path in tmp_path.iterdir()] == ["pond.json"]
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".yml"])
+@pytest.mark.parametrize("replace", [True, False])
+def test_an_image_of_no_saved_map_is_left_alone(tmp_path: Path, suffix: str, replace: bool) -> None:
     image = write(tmp_path / "pond.pgm", "precious")
-    with pytest.raises(BadInputError, match=r"pond\.pgm: exists already"):
-        save_map(GridMap(POND), tmp_path / "pond.yaml", replace=False)
+    with pytest.raises(BadInputError, match=rf"pond\.pgm: is not the image of pond\{suffix}, "):
+        save_map(GridMap(POND), tmp_path / f"pond{suffix}", replace=replace)
     assert image.read_text() == "precious"
     assert [path.name for path in tmp_path.iterdir()] == ["pond.pgm"]
+
+
+def test_both_files_of_a_ros_map_are_replaced(tmp_path: Path) -> None:
+    save_map(GridMap(POND, 2.0), tmp_path / "pond.yaml")
+    save_map(GridMap(~POND, 3.0), tmp_path / "pond.yaml")
+    assert load_map(tmp_path / "pond.yaml") == GridMap(~POND, 3.0)
 
 
 @pytest.mark.parametrize("suffix", [".map", ".yaml", ".png", ".pgm"])

@@ -114,7 +114,9 @@ def test_ros_numbers_without_a_point(tmp_path: Path) -> None:
         ({"image": None, "negate": None}, "lacks image, negate"),
         ({"image": "nowhere.pgm"}, "nowhere.pgm: no such file"),
         ({"image": 3}, "image: got 3"),
+        ({"image": "a\0.pgm"}, r"image: got 'a\\x00\.pgm'; wanted a path without NUL"),
         ({"resolution": 0}, "resolution: got 0"),
+        ({"resolution": 10**400}, "resolution: got a whole number of more than 308 digits"),
         ({"resolution": "fine"}, "resolution: got 'fine'"),
         ({"resolution": float("nan")}, "resolution: got nan"),
         ({"origin": [0.0, 0.0]}, r"origin: got \[0.0, 0.0\]"),
@@ -140,6 +142,22 @@ def test_ros_refuses(tmp_path: Path, change: dict, words: str) -> None:
         (b"\xff\xfe\x00", "not valid YAML"),
         ("", "not a map_server file"),
         ("- a\n- b\n", "not a map_server file"),
+        ("a: 1\nb: 2024-13-45", r"line 2: not valid YAML \('2024-13-45' cannot be read as time"),
+        ('a: !!int "abc"', r"line 1: not valid YAML \('abc' cannot be read as int\)"),
+        ('a: !!int ""', r"not valid YAML \('' cannot be read as int\)"),
+        ('a: [!!bool "abc"]', r"not valid YAML \('abc' cannot be read as bool\)"),
+        ('a: !!timestamp "abc"', r"not valid YAML \('abc' cannot be read as timestamp\)"),
+        pytest.param(
+            f"a: {'1' * 5001}",
+            r"line 1: not valid YAML \('1{40}' cannot be read as int\)",
+            id="5001 digits",
+        ),
+        pytest.param(
+            f"a: {'1:' * 300}1.5",
+            r"line 1: not valid YAML \('1:.*' cannot be read as float\)",
+            id="base 60",
+        ),
+        pytest.param("[" * 100_000, r"not valid YAML \(nested too deeply\)", id="nested"),
     ],
 )
 def test_a_damaged_yaml_is_refused(tmp_path: Path, content: str | bytes, words: str) -> None:

@@ -93,6 +93,13 @@ def test_obstacle_table_with_room_for_all_leaves_none_out() -> None:
     assert (everything[..., table.shape[-1] :] == -1).all()
 
 
+def test_obstacle_table_made_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    blocked = np.random.default_rng(3).random((12, 9)) < 0.4
+    whole = obstacle_table(blocked, 8, 4.0)
+    monkeypatch.setattr("usvjax.maps.obstacles._AT_ONCE", 40)  # five cells
+    np.testing.assert_array_equal(obstacle_table(blocked, 8, 4.0), whole)
+
+
 def test_obstacle_table_of_the_lake() -> None:
     lake = hongze_lake()
     table = obstacle_table(lake.blocked, 16, 20.0)

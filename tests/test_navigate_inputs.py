@@ -244,8 +244,8 @@ def test_bad_static(static: Any, error: type[Exception], message: str) -> None:
 @pytest.mark.parametrize(
     ("value", "error", "message"),
     [
-        (0, BadInput, "max_lanes: got 0; wanted 1 or more"),
-        (-4, BadInput, "max_lanes: got -4; wanted 1 or more"),
+        (0, BadInput, "max_lanes: got 0; wanted 16 or more"),
+        (15, BadInput, "max_lanes: got 15; wanted 16 or more"),
         (16.0, BadType, "max_lanes: got 16.0; wanted a whole number"),
         (True, BadType, "max_lanes: got True; wanted a whole number"),
         (None, BadType, "max_lanes: got None; wanted a whole number"),
@@ -295,7 +295,7 @@ def test_on_land_or_off_the_map(name: str, point: tuple[float, float], said: str
     assert_refused_on_lake(BadInput, message, **{name: rows})
 
 
-@pytest.mark.parametrize("radius", [0.0, 1.41, np.array([1.5, 1.4])])
+@pytest.mark.parametrize("radius", [0.1, 1.41, np.array([1.5, 1.4])])
 def test_radius_that_lets_a_vessel_slip_between_cells(radius: Any) -> None:
     message = r"params\.radius: got .* m; wanted at least 1\.41421 m, half the diagonal of a 2 m"
     assert_refused_on_lake(BadInput, message, params=uj.DwaParams(radius=radius))
@@ -356,6 +356,8 @@ def test_far_from_the_corner_of_the_map_is_what_counts() -> None:
         ({"state": [0.0, 0.0, INF, 0.0, 0.0]}, BadInput, r"state: inf at index \[2\]"),
         ({"goal": [[8.0, 8.0]]}, BadInput, r"goal: got shape \(1, 2\); wanted shape \(2\)"),
         ({"goal": "north"}, BadType, "goal: got dtype <U5"),
+        ({"state": [5e5, 4.4e6, 0.0, 0.0, 0.0]}, BadInput, r"state: .* at \(500000, 4\.4e\+06\) m"),
+        ({"goal": [0.0, 3e5]}, BadInput, r"goal: .* at \(0, 300000\) m; single precision wants"),
         ({"params": uj.DwaParams(dt=0.0)}, BadInput, r"params\.dt: got 0"),
         ({"params": uj.DwaParams(dt=np.ones(2))}, BadInput, r"params\.dt: .* wanted one number$"),
         ({"static": uj.DwaStatic(clearance="end")}, BadInput, r"static\.clearance: got 'end'"),

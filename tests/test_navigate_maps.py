@@ -11,7 +11,7 @@ from navigate_episodes import PARAMS, STATIC, B, assert_same, sail
 
 import usvjax as uj
 from usvjax.navigate import NavigateResult
-from usvjax.scene import _chart, set_scene
+from usvjax.scene import Scene, _chart, set_scene
 from usvkernels.dwa_window import Motion
 from usvkernels.episodes import sensed
 
@@ -71,6 +71,15 @@ def test_where_the_lake_lies_does_not_matter(on_lake: NavigateResult) -> None:
     np.testing.assert_allclose(moved.trajectory - shift, on_lake.trajectory, atol=3e-4)
 
 
+def test_steps_recorded_at_utm_coordinates_are_those_sailed() -> None:
+    at = (500_000.0, 4_400_000.0)
+    options = {"params": NEAR_SHORE, "sensing_range": SEE_ALL, "record": True}
+    r = sail(lake(at), *voyages(at), **options)
+    assert r.trajectory is not None
+    legs = np.hypot(*np.moveaxis(np.diff(r.trajectory[..., :2], axis=1), -1, 0))
+    np.testing.assert_allclose(legs.sum(axis=1), r.path_length, rtol=1e-4, atol=1e-5)
+
+
 def test_recording_on_a_lake_changes_nothing(on_lake: NavigateResult) -> None:
     assert_same(sail(lake(), *voyages(), params=NEAR_SHORE, sensing_range=SEE_ALL), on_lake)
 
@@ -125,3 +134,20 @@ def test_past_the_edge_of_a_map_the_nearest_cell_is_sensed() -> None:
 
     np.testing.assert_array_equal(seen(12.1), seen(11.9))
     assert (seen(12.1) < 100.0).any()
+    scene = Scene(np.zeros((1, 3)), np.zeros((1, 2)), np.zeros(2), None, chart)
+    for x, y in ((9.0, 12.1), (9.0, 11.9), (9.0, 40.0)):
+        np.testing.assert_array_equal(scene.sensed(np.array([[x, y]]))[0], seen(y)[..., 0])
+
+
+def test_no_shore_lies_farther_than_the_map_is_across() -> None:
+    # A vessel that hardly brakes would see for 1e5 km.
+    params = replace(NEAR_SHORE, v_dec=1e-8)
+    whole = set_scene(lake(), *voyages(), None, params, STATIC, None).chart
+    assert whole is not None
+    assert whole.table.shape[1] == 40, "all 39 cells of the shore"
+
+
+def test_a_table_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("usvjax.maps.obstacles.MOST_BYTES", 110 * 40 * 4 - 1)
+    with pytest.raises(uj.BadInputError, match=r"map: the obstacles within .* by a shorter sensing"):
+        set_scene(lake(), *voyages(), None, NEAR_SHORE, STATIC, 9.01)

@@ -169,6 +169,9 @@ def test_every_number_must_be_one(name: str, value: object) -> None:
         ({"stuck_distance": -1}, r"params\.stuck_distance: got -1; wanted 0 or more"),
         ({"clear_distance": 0.0}, r"params\.clear_distance: got 0; wanted more than 0"),
         ({"clearance_cap": -1.0}, r"params\.clearance_cap: got -1; wanted 0 or more"),
+        ({"radius": 0.0}, r"params\.radius: got 0; wanted at least 0\.1 m, one step dt at full"),
+        ({"dt": 0.6}, r"params\.radius: got 0\.5; wanted at least 0\.6 m, one step dt at full"),
+        ({"v_min": -5.1}, r"params\.radius: got 0\.5; wanted at least 0\.51 m, one step dt at"),
         ({"search_angle": 0.0}, r"params\.search_angle: got 0; wanted an angle in \(0, pi\] rad"),
         ({"search_angle": 60.0}, r"params\.search_angle: got 60; wanted an angle in \(0, pi\]"),
     ],
@@ -176,6 +179,12 @@ def test_every_number_must_be_one(name: str, value: object) -> None:
 def test_impossible_numbers(change: dict[str, float], message: str) -> None:
     with pytest.raises(uj.BadInputError, match=message):
         check_dwa(replace(uj.DwaParams(), **change), uj.DwaStatic())
+
+
+def test_a_step_may_be_as_long_as_the_radius() -> None:
+    params = uj.DwaParams(v_max=3.0, dt=0.1, radius=0.3)
+    assert params.v_max * params.dt > 0.3, "by rounding"
+    check_dwa(params, uj.DwaStatic())
 
 
 def test_one_bad_value_of_a_sweep_is_named() -> None:

@@ -78,15 +78,22 @@ def number(name: str, value: Any) -> float:
 
     Raises:
         BadTypeError: It is not a number.
-        BadInputError: It is NaN or infinite.
+        BadInputError: It is NaN, infinite or beyond the range of a float.
     """
     if isinstance(value, bool | np.bool_) or not isinstance(
         value, int | float | np.integer | np.floating
     ):
         raise BadTypeError(f"{name}: got {value!r}; wanted a number")
-    if not math.isfinite(value):
+    try:
+        result = float(value)
+    except OverflowError:
+        # Not shown: Python refuses to print a whole number of thousands of digits.
+        raise BadInputError(
+            f"{name}: got a whole number of more than 308 digits; wanted one that a float can hold"
+        ) from None
+    if not math.isfinite(result):
         raise BadInputError(f"{name}: got {value}; wanted a finite number")
-    return float(value)
+    return result
 
 
 def positive(name: str, value: Any) -> float:
@@ -147,10 +154,18 @@ def grid(name: str, value: Any) -> np.ndarray:
 
 
 def file_path(name: str, value: Any) -> Path:
-    """Return a path; raises BadTypeError for anything but a string or a path."""
+    """Return a path.
+
+    Raises:
+        BadTypeError: It is neither a string nor a path.
+        BadInputError: It holds a NUL, which no file name can.
+    """
     if not isinstance(value, str | os.PathLike):
         raise BadTypeError(f"{name}: got {value!r}; wanted a string or a path")
-    return Path(value)
+    path = Path(value)
+    if "\0" in str(path):
+        raise BadInputError(f"{name}: got {str(path)!r}; wanted a path without NUL characters")
+    return path
 
 
 def default_or(name: str, given: Any, default: T, algorithm: str) -> T:

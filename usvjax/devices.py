@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import jax
 
 _VARIABLE = "JAX_NUM_CPU_DEVICES"
+_FLAG = "xla_force_host_platform_device_count"
 
 COMPILER_OPTIONS = {"xla_cpu_prefer_vector_width": "512"}
 """For `jax.jit`: full vectors where the processor has them, a quarter faster on such a CPU."""
@@ -32,12 +33,14 @@ def use_all_cores(count: int | None = None) -> None:
     """Ask JAX for one host device per core, where JAX has not started yet.
 
     XLA's own thread pool gains nothing on these kernels; a device per core does. A setting
-    that the user made (JAX_NUM_CPU_DEVICES, or a JAX already started) stays as it is.
+    that the user made (JAX_NUM_CPU_DEVICES, XLA_FLAGS with a count of host devices, or a JAX
+    already started) stays as it is.
 
     Args:
       count: number of host devices; by default the cores that this process may use.
     """
-    if _VARIABLE in os.environ and count is None:
+    made = _VARIABLE in os.environ or _FLAG in os.environ.get("XLA_FLAGS", "")
+    if made and count is None:
         return
     count = count or usable_cores()
     os.environ[_VARIABLE] = str(count)

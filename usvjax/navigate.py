@@ -13,7 +13,7 @@ from jax.sharding import SingleDeviceSharding
 from usvjax.checks import float_array, whole_number
 from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices, share_out
 from usvjax.presets import check_dwa
-from usvjax.scene import Scene, padded, set_scene
+from usvjax.scene import Scene, padded, refuse_remote, set_scene
 from usvkernels import dwa, dwa_window, episodes, lanes
 from usvkernels.dwa_params import DwaParams, DwaStatic
 from usvkernels.episodes import Jobs, Outcome
@@ -42,7 +42,8 @@ class NavigateResult:
         position (m), negative on collision; inf where no obstacle was ever sensed.
       steps: int32[B], control periods executed.
       trajectory: float32[B, T, 5] or None: x (m), y (m), psi (rad), v (m/s), w (rad/s) from
-        the start on; after its end an episode repeats its last row.
+        the start on; after its end an episode repeats its last row. float64 on a map whose
+        origin is not (0, 0): single precision resolves no step at UTM coordinates.
       occupancy: share of lane-steps that advanced an episode, in (0, 1].
     """
 
@@ -104,7 +105,8 @@ def navigate_dwa(
     Args:
       obstacles: float[B, K, 2] centres (m), or float[K, 2] shared; rows that are masked, or
         farther than 500 km, are padding. Or a `GridMap` shared by all: every blocked cell on
-        the shoreline is an obstacle, and `params.radius` must cover a cell.
+        the shoreline is an obstacle, and `params.radius` must cover a cell. The map's edge is
+        no obstacle: a vessel may leave, and then senses what is near the edge cell beside it.
       starts: float[B, 3], x (m), y (m), psi (rad), at rest; or float[3].
       goals: float[B, 2] (m); or float[2], shared. Coordinates stay below 200 km (single
         precision): subtract a local origin from UTM coordinates.
@@ -115,7 +117,8 @@ def navigate_dwa(
       sensing_range: (m) with a `GridMap`, how far off shore is seen; by default as far as the
         prediction reaches, plus braking and the radius; wanted where these differ between
         episodes.
-      max_lanes: most episodes under way at once on a device; for measurements.
+      max_lanes: most episodes under way at once on a device, at least 16, which fill the
+        processor's vectors; for measurements.
 
     Returns:
       The outcomes, in the order of `starts`.
@@ -127,7 +130,7 @@ def navigate_dwa(
     """
     params = DwaParams() if params is None else params
     static = DwaStatic() if static is None else static
-    max_lanes = whole_number("max_lanes", max_lanes, 1)
+    max_lanes = whole_number("max_lanes", max_lanes, LEAST_LANES)
     scene = set_scene(obstacles, starts, goals, valid, params, static, sensing_range)
     return _sail(scene, params, static, record, max_lanes)
 
@@ -145,7 +148,7 @@ def dwa_candidates(
     Args:
       obstacles: float[K, 2], centres (m).
       state: float[5], x (m), y (m), psi (rad), v (m/s), w (rad/s).
-      goal: float[2] (m).
+      goal: float[2] (m). Coordinates stay below 200 km, as of `navigate_dwa`.
       params: defaults to Tan's Table 1; scalars.
       static: choices of method.
 
@@ -158,12 +161,13 @@ def dwa_candidates(
     points = float_array("obstacles", obstacles, (None, 2))
     now = float_array("state", state, (5,))
     target = float_array("goal", goal, (2,))
+    for name, point in (("state", now[:2]), ("goal", target)):
+        refuse_remote(name, point[None])
     motion = dwa_window.Motion(jnp.asarray(now[:, None], jnp.float32))
     centres = jnp.asarray(padded(points[None])[0])[:, :, None]
-    found, paths, command = _open_up(
+    found, paths, (row, column, any_admissible), command = _open_up(
         params, static, motion, centres, jnp.asarray(target[:, None], jnp.float32)
     )
-    row, column, any_admissible = dwa.choose(found)
     return DwaCandidates(
         v=np.asarray(found.v[:, 0]),
         w=np.asarray(found.w[:, 0]),
@@ -184,10 +188,11 @@ def _open_up(
     motion: dwa_window.Motion,
     obstacles: jax.Array,
     goal: jax.Array,
-) -> tuple[dwa.Candidates, jax.Array, tuple[jax.Array, jax.Array]]:
+) -> tuple[dwa.Candidates, jax.Array, dwa.Choice, dwa.Command]:
     found = dwa.candidates(params, static, motion, obstacles, goal)
     paths = dwa_window.predicted_paths(params, static, motion)
-    return found, paths, dwa.decide(params, static, motion, obstacles, goal)
+    command = dwa.decide(params, static, motion, obstacles, goal)
+    return found, paths, dwa.choose(found), command
 
 
 def _sail(
@@ -321,7 +326,9 @@ def _collect(
     if len(results[0]) > 2:
         most = int(steps.max()) + 1
         trajectory = joined([found[2][:, :most] for found in results])
-        trajectory[..., :2] += scene.origin.astype(np.float32)
+        if scene.origin.any():
+            trajectory = trajectory.astype(np.float64)
+            trajectory[..., :2] += scene.origin
     return NavigateResult(
         status=joined([end.status for end in ends]),
         time=time,

@@ -166,6 +166,7 @@ _MAY_BE_INFINITE = ("clearance_cap",)
 _MOST = {"n_v": 1000, "n_w": 1000, "horizon": 10_000, "max_steps": 10_000_000}
 _PLAIN = (bool, int, float, str)
 _LARGEST = float(np.finfo(np.float32).max)
+_ROUNDING = 1e-6  # of a product such as 3 * 0.1 s
 
 
 def check_dwa(params: DwaParams, static: DwaStatic, episodes: int | None = None) -> None:
@@ -209,7 +210,19 @@ def _check(params: DwaParams, static: DwaStatic, episodes: int | None) -> None:
     for rate in ("v", "w"):
         low, high = values[f"{rate}_min"], values[f"{rate}_max"]
         _demand(f"{rate}_min", low, low <= high, f"at most {rate}_max = {np.max(high):g}")
+    _demand_short_steps(values)
     _check_static(params, static)
+
+
+def _demand_short_steps(values: dict[str, np.ndarray]) -> None:
+    """Collisions are seen at executed positions: a longer step may pass through an obstacle.
+
+    With steps of up to the radius, what stays unseen is at most 13 % of it deep.
+    """
+    step = np.maximum(np.abs(values["v_min"]), np.abs(values["v_max"])) * values["dt"]
+    short = values["radius"] >= step * (1.0 - _ROUNDING)
+    wanted = f"at least {np.max(step):g} m, one step dt at full speed, or obstacles are jumped"
+    _demand("radius", values["radius"], short, wanted)
 
 
 def _leaf(name: str, value: Any, episodes: int | None) -> np.ndarray:

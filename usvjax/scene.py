@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from math import sqrt
+from math import hypot, sqrt
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,19 @@ class Scene:
             obstacles=obstacles,
             chart=self.chart,
         )
+
+    def sensed(self, points: np.ndarray) -> np.ndarray:
+        """Centres [B, 2, K] (m, FAR pads) that vessels at points [B, 2] (m) sense."""
+        chart = self.chart
+        if chart is None:
+            assert self.obstacles is not None
+            return self.obstacles
+        last = np.array([chart.width, len(chart.table) // chart.width]) - 1
+        cell = np.clip(np.floor(points / chart.cell_size).astype(np.int64), 0, last)
+        blocked = chart.table[cell[:, 1] * chart.width + cell[:, 0]]
+        row, column = np.divmod(blocked, chart.width)
+        centres = (np.stack([column, row], axis=1) + 0.5) * chart.cell_size
+        return np.where(blocked[:, None] < 0, FAR, centres)
 
     @property
     def sensed_shape(self) -> tuple[int, ...]:
@@ -112,7 +125,7 @@ def set_scene(
     start = np.column_stack([start[:, :2], (start[:, 2] + np.pi) % (2 * np.pi) - np.pi])
     start, goal = _repeat("starts", start, count), _repeat("goals", goal, count)
     for name, points in (("starts", start[:, :2]), ("goals", goal)):
-        _refuse_remote(name, points - (obstacles.origin if on_map else 0.0))
+        refuse_remote(name, points - (obstacles.origin if on_map else 0.0))
     if on_map:
         return _on_chart(obstacles, valid, start, goal, params, static, sensing_range)
     return _among_circles(obstacles, valid, start, goal, params, sensing_range)
@@ -146,7 +159,12 @@ def _repeat(name: str, rows: np.ndarray, count: int) -> np.ndarray:
     return np.broadcast_to(rows, (count, rows.shape[1]))
 
 
-def _refuse_remote(name: str, points: np.ndarray) -> None:
+def refuse_remote(name: str, points: np.ndarray) -> None:
+    """Refuse points, float[B, 2] (m), that single precision resolves badly.
+
+    Raises:
+      BadInputError: naming the argument and the first such row.
+    """
     remote = np.abs(points) > MOST_REMOTE
     if remote.any():
         row = int(np.argmax(remote.any(axis=1)))
@@ -259,7 +277,8 @@ def _on_chart(
                 f"{name}: episode {row} at ({points[row, 0]:g}, {points[row, 1]:g}) m is on a "
                 "blocked cell or off the map; wanted open water"
             )
-    reach = _reach(params, static, sensing_range)
+    across = grid.cell_size * hypot(*grid.shape)  # farther there is no shore
+    reach = min(_reach(params, static, sensing_range), across)
     origin = np.asarray(grid.origin, np.float64)
     scene = Scene(
         start=start - np.append(origin, 0.0),
@@ -269,7 +288,7 @@ def _on_chart(
         chart=_chart(grid, reach),
     )
     radius = np.asarray(params.radius, np.float64)
-    _refuse_inside(_sensed_at(scene), scene.start, radius, origin)
+    _refuse_inside(scene.sensed(scene.start[:, :2]), scene.start, radius, origin)
     return scene
 
 
@@ -302,16 +321,3 @@ def _chart(grid: GridMap, reach: float) -> Charted:
     width: Any = np.int32(grid.shape[1])
     cell_size: Any = np.float32(grid.cell_size)
     return Charted(table=table.reshape(-1, table.shape[-1]), width=width, cell_size=cell_size)
-
-
-def _sensed_at(scene: Scene) -> np.ndarray:
-    """Centres [B, 2, K] that each vessel senses at its start."""
-    chart = scene.chart
-    assert chart is not None
-    cell = np.floor(scene.start[:, :2] / chart.cell_size).astype(np.int64)
-    last = np.array([chart.width, len(chart.table) // chart.width]) - 1
-    cell = np.minimum(cell, last)  # at the edge, division by a rounded size can step off
-    blocked = chart.table[cell[:, 1] * chart.width + cell[:, 0]]
-    row, column = np.divmod(blocked, chart.width)
-    centres = (np.stack([column, row], axis=1) + 0.5) * chart.cell_size
-    return np.where(blocked[:, None] < 0, FAR, centres)

@@ -40,7 +40,7 @@ class Options:
     Attributes:
         quick: A look in half a minute: few scenes.
         out: Folder for README.md, results.json and figures/. By default the checkout's
-            experiments/results/chen2023, or runs/chen2023_quick with --quick.
+            experiments/results/chen2023, or runs/chen2023_quick with --quick or --scenes.
         scenes: Scenes with the printed expansion; 1,000, or 36 with --quick.
     """
 
@@ -58,11 +58,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
-    options = tyro.cli(Options, args=argv, prog=f"usvjax reproduce {PAPER}")
-    ready = begin(PAPER, options, _job)
+    ready = begin(PAPER, Options, argv, _job)
     if ready is None:
         return 2
-    job, folder = ready
+    _, job, folder = ready
     begun = monotonic()
     routes = sum(plan.routes for plan in job.plans)
     with progress("routes", routes) as advance:

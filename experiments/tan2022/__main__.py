@@ -65,7 +65,7 @@ class Options:
     Attributes:
         quick: A look in under a minute: few maps and few readings.
         out: Folder for README.md, results.json and figures/. By default the checkout's
-            experiments/results/tan2022, or runs/tan2022_quick with --quick.
+            experiments/results/tan2022, or runs/tan2022_quick with --quick or --episodes.
         episodes: Paired maps per radius; 10,000, or 200 with --quick.
     """
 
@@ -120,11 +120,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
-    options = tyro.cli(Options, args=argv, prog="usvjax reproduce tan2022")
-    ready = begin("tan2022", options, _job)
+    ready = begin("tan2022", Options, argv, _job)
     if ready is None:
         return 2
-    job, folder = ready
+    _, job, folder = ready
     episodes, begun = total(job.runs()), monotonic()
     with progress("episodes", episodes) as advance:
         results = sail(job.runs(), advance)

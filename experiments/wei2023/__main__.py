@@ -32,7 +32,7 @@ class Options:
     Attributes:
         quick: A look in half a minute, on few scenes of one kind.
         out: Folder for README.md, results.json and figures/. By default the checkout's
-            experiments/results/wei2023, or runs/wei2023_quick with --quick.
+            experiments/results/wei2023, or runs/wei2023_quick with --quick or --scenes.
         scenes: Of each kind; 1,000, or 100 with --quick.
     """
 
@@ -67,11 +67,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
-    options = tyro.cli(Options, args=argv, prog="usvjax reproduce wei2023")
-    ready = begin("wei2023", options, _plan)
+    ready = begin("wei2023", Options, argv, _plan)
     if ready is None:
         return 2
-    chosen, folder = ready
+    _, chosen, folder = ready
     begun = monotonic()
     scenes = {kind.label: draw(kind, chosen.scenes, chosen.seed) for kind in chosen.kinds}
     with progress("batches", len(SEARCHES) * len(scenes) + len(TEXTBOOK)) as advance:

@@ -33,7 +33,7 @@ class Options:
     Attributes:
         quick: A look in a minute or two: few maps, one case, few runs.
         out: Folder for README.md, results.json and figures/. By default the checkout's
-            experiments/results/yu2022, or runs/yu2022_quick with --quick.
+            experiments/results/yu2022, or runs/yu2022_quick with --quick or a size of yours.
         maps: Random maps of each kind for the heuristic; 1,000, or 100 with --quick.
         runs: Cruises of Case 1, and runs on each test function; 1,000, or 24 with --quick.
         swarm_runs: Cruises of Case 1 by Algorithms 1 to 3, which are slow; 50, as printed, or 2
@@ -56,11 +56,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
-    options = tyro.cli(Options, args=argv, prog="usvjax reproduce yu2022")
-    ready = begin("yu2022", options, _plan)
+    ready = begin("yu2022", Options, argv, _plan)
     if ready is None:
         return 2
-    plan, folder = ready
+    options, plan, folder = ready
     begun = monotonic()
     parts = [_alone(run) for run in plan]
     found: dict[str, Any] = {

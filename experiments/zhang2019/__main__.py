@@ -57,7 +57,7 @@ class Options:
     Attributes:
         quick: A look in half a minute, on few maps.
         out: Folder for README.md, results.json and figures/. By default the checkout's
-            experiments/results/zhang2019, or runs/zhang2019_quick with --quick.
+            experiments/results/zhang2019, or runs/zhang2019_quick with --quick or --maps.
         maps: Random maps per density; 10,000, or 400 with --quick.
     """
 
@@ -75,11 +75,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 2, after one line on stderr, for a user's mistake.
     """
-    options = tyro.cli(Options, args=argv, prog="usvjax reproduce zhang2019")
-    ready = begin("zhang2019", options, _plan)
+    ready = begin("zhang2019", Options, argv, _plan)
     if ready is None:
         return 2
-    plan, folder = ready
+    _, plan, folder = ready
     begun = monotonic()
     grids = draw(plan)
     with progress("batches", len(DENSITIES) * (len(BATCHED) + 1)) as advance:

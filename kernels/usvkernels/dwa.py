@@ -18,6 +18,12 @@ from usvkernels.vessel import Complex, complex_product
 from usvkernels.xla.single import single
 from usvkernels.xla.stage import stage
 
+Choice = tuple[Array, Array, Array]
+"""Row and column of a candidate, int32[lanes], and whether there is one, bool[lanes]."""
+
+Command = tuple[Array, Array]
+"""Speed (m/s) and yaw rate (rad/s), float[lanes]."""
+
 _at = partial(jax.lax.dynamic_index_in_dim, keepdims=False, allow_negative_indices=False)
 
 
@@ -102,7 +108,7 @@ def candidates(
 
     Args:
       params, static: of the method.
-      motion: the vessels, leaves float[lanes].
+      motion: the vessels.
       obstacles: float[2, K, lanes], centres (m); rows at FAR are padding.
       goal: float[2, lanes] (m).
     """
@@ -189,13 +195,13 @@ def _scales(parts: tuple[Array, ...], admissible: Array) -> list[Array]:
     return [jnp.where(total > 0.0, 1.0 / total, 0.0) for total in totals]
 
 
-def choose(found: Candidates) -> tuple[Array, Array, Array]:
+def choose(found: Candidates) -> Choice:
     """Row and column of the best candidate, the first of equals, and whether there is one."""
     return single(_best, found.score)
 
 
 @jax.jit
-def _best(score: Array) -> tuple[Array, Array, Array]:
+def _best(score: Array) -> Choice:
     n_v, n_w, lanes = score.shape
 
     def better(i: Array, best: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -212,7 +218,7 @@ def _best(score: Array) -> tuple[Array, Array, Array]:
 
 def decide(
     params: DwaParams, static: DwaStatic, motion: Motion, obstacles: Array, goal: Array
-) -> tuple[Array, Array]:
+) -> Command:
     """Speed and yaw rate to execute next (m/s, rad/s), float[lanes]; arguments as `candidates`."""
     window = open_window(params, static, motion, obstacles)
     chosen = partial(_decide, static)
@@ -222,7 +228,7 @@ def decide(
 @partial(jax.jit, static_argnums=0)  # traced once for all branches of a stage
 def _decide(
     static: DwaStatic, params: DwaParams, motion: Motion, goal: Array, window: Window
-) -> tuple[Array, Array]:
+) -> Command:
     found = _weigh(params, static, motion, goal, window)
     return single(partial(_command, static), params, motion, goal, found.v, found.w, found.score)
 
@@ -235,7 +241,7 @@ def _command(
     v_i: Array,
     w_j: Array,
     score: Array,
-) -> tuple[Array, Array]:
+) -> Command:
     """The best candidate's command, or that of a vessel without an admissible one."""
     row, column, any_admissible = _best(score)
     v = v_i[0] + row.astype(score.dtype) * params.v_step
@@ -244,9 +250,7 @@ def _command(
     return jnp.where(any_admissible, v, blocked_v), jnp.where(any_admissible, w, blocked_w)
 
 
-def _when_blocked(
-    params: DwaParams, static: DwaStatic, motion: Motion, goal: Array
-) -> tuple[Array, Array]:
+def _when_blocked(params: DwaParams, static: DwaStatic, motion: Motion, goal: Array) -> Command:
     v = _towards_zero(motion.v, params.v_dec * params.dt)
     if static.when_blocked == "brake":
         return v, _towards_zero(motion.w, params.w_dec * params.dt)

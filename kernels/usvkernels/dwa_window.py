@@ -221,7 +221,7 @@ def predicted_paths(params: DwaParams, static: DwaStatic, motion: Motion) -> Arr
 
     Args:
       params, static: of the method.
-      motion: the vessels, leaves float[lanes].
+      motion: the vessels.
 
     Returns:
       float[n_v, n_w, horizon + 1, lanes, 2] (m).

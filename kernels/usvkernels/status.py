@@ -19,7 +19,6 @@ class Status(IntEnum):
 
 
 EPISODE_ENDINGS = (Status.REACHED, Status.COLLIDED, Status.STUCK, Status.TIMED_OUT)
-SEARCH_ENDINGS = (Status.FOUND, Status.UNREACHABLE, Status.OUT_OF_BUDGET, Status.BLOCKED)
 CRUISE_ENDINGS = (
     Status.REACHED,
     Status.PARTIAL,

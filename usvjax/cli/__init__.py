@@ -10,7 +10,7 @@ import io
 import os
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial, wraps
 from typing import Any
@@ -135,22 +135,39 @@ def _parsed(target: Any, prog: str, args: list[str]) -> Callable[[], Any]:
     """
     import tyro
 
+    if isinstance(target, dict):
+        later = {name: _deferred(function) for name, function in target.items()}
+        # What is wrong after the name of a subcommand is explained by that one's help.
+        asked = f"{prog} {args[0]}" if args and args[0] in target else prog
+        with usage_in_one_line(asked):
+            call = tyro.extras.subcommand_cli_from_dict(later, prog=prog, args=args)
+    else:
+        with usage_in_one_line(prog):
+            call = tyro.cli(_deferred(target), prog=prog, args=args)
+    found: Callable[[], Any] = call
+    return found
+
+
+@contextlib.contextmanager
+def usage_in_one_line(prog: str) -> Iterator[None]:
+    """Turn what tyro prints about bad arguments, within, into one sentence.
+
+    Args:
+        prog: the command whose help explains them.
+
+    Raises:
+        BadInputError: with that sentence.
+    """
     from usvjax.errors import BadInputError
 
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said):
-            if isinstance(target, dict):
-                later = {name: _deferred(function) for name, function in target.items()}
-                call = tyro.extras.subcommand_cli_from_dict(later, prog=prog, args=args)
-            else:
-                call = tyro.cli(_deferred(target), prog=prog, args=args)
+            yield
     except SystemExit as stop:
         if stop.code != EXIT_USAGE:
             raise
         raise BadInputError(f"{_in_one_line(said.getvalue())} (see {prog} --help)") from None
-    found: Callable[[], Any] = call
-    return found
 
 
 def _deferred(function: Callable[..., Any]) -> Callable[..., Callable[[], Any]]:
@@ -163,12 +180,22 @@ def _deferred(function: Callable[..., Any]) -> Callable[..., Callable[[], Any]]:
     return later
 
 
+_NOT_A_NUMBER = re.compile(
+    r"Error parsing (\S+): .*(?:int\(\) with base 10|(string to float)): (['\"].*['\"])"
+)
+"""What Python says of a number that is none, on its own or as the last of several attempts."""
+
+
 def _in_one_line(box: str) -> str:
     """A message of the parser without its frame and its pointer to the help."""
     plain = re.sub(r"\x1b\[[0-9;]*m", "", box)
     unframed = re.sub(r"[\u2500-\u257f]|-{3,}|^[|+]|[|+]$", " ", plain, flags=re.MULTILINE)
     title, _, rest = unframed.strip(" \n-").partition("\n")
     words = " ".join(re.split("For full helptext|Argument helptext", rest)[0].split())
+    number = _NOT_A_NUMBER.search(words)
+    if number:
+        option, any_number, got = number.groups()
+        return f"{option}: got {got}; wanted a {'number' if any_number else 'whole number'}"
     sentence = re.sub(r" \.$", ".", words.replace(" (required)", ""))
     if sentence.lower().startswith(title.strip().lower()):
         return sentence

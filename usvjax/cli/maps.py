@@ -12,6 +12,7 @@ from rich.text import Text
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map, load_map, packaged_names, save_map
+from usvjax.maps.hongze import is_packaged_name
 
 MapName = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="MAP")]
 InFile = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="IN")]
@@ -92,9 +93,10 @@ def convert_map(
         cell_size: Edge of a cell, m; needed for a plain image, otherwise overrides the file's.
         unknown: What the unknown cells of a ROS map become.
         threshold: Brightness, 0 to 1, below which a pixel of a plain image is blocked.
-        force: Replace files that exist.
+        force: Replace files that exist; a .json or .pgm that is not OUT's own is spared.
     """
-    if Path(source).suffix:
+    # A name such as hongze-62.5 seems to have a suffix.
+    if Path(source).suffix and not is_packaged_name(source):
         grid = load_map(source, cell_size=cell_size, unknown=unknown, threshold=threshold)
     else:
         grid = find_map(source, cell_size=cell_size)
@@ -179,7 +181,8 @@ def _summary(grid: GridMap) -> dict[str, Any]:
         "cell_size_m": grid.cell_size,
         "origin_m": list(grid.origin),
         "free_share": grid.free_share,
-        "free_area_m2": free * grid.cell_size**2,
+        # Not the power: it raises where the product is infinite.
+        "free_area_m2": free * (grid.cell_size * grid.cell_size),
         "water_bodies": int(bodies.max()),
         "largest_body_share": float((bodies == 1).sum() / free) if free else 0.0,
         "attribution": grid.attribution,

@@ -29,33 +29,36 @@ def reproduce(paper: Paper, *options: Options) -> None:
         options: Passed on to the experiment.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.suggest import did_you_mean
 
-    root = _checkout()
-    papers = _papers(root)
-    if paper not in papers:
-        raise BadInputError(
-            f"no experiments for {paper!r} in {root / 'experiments'}; {did_you_mean(paper, papers)}"
-        )
+    root = _checkout(paper)
     use_compilation_cache()
     with _as_program(root, paper, options):
         runpy.run_module(f"experiments.{paper}", run_name="__main__", alter_sys=True)
 
 
-def _checkout() -> Path:
+def _checkout(paper: str) -> Path:
     """Find the source checkout: where the command runs, or where usvjax was imported from.
 
+    A folder of one's own called `experiments` does not hide the papers of the other place.
+
     Raises:
-        BadInputError: neither has an `experiments` folder.
+        BadInputError: neither has experiments for the paper.
     """
+    from usvjax.suggest import did_you_mean
+
     candidates = (Path.cwd(), Path(usvjax.__file__).resolve().parent.parent)
-    for root in candidates:
-        if _papers(root):
+    papers = {root: _papers(root) for root in candidates if _papers(root)}
+    for root, known in papers.items():
+        if paper in known:
             return root
-    raise BadInputError(
-        f"no folder 'experiments' in {candidates[0]}: 'usvjax reproduce' needs a source checkout "
-        f"of usvjax; run it from there"
-    )
+    if not papers:
+        raise BadInputError(
+            f"no folder 'experiments' in {candidates[0]}: 'usvjax reproduce' needs a source "
+            f"checkout of usvjax; run it from there"
+        )
+    folders = " or ".join(str(root / "experiments") for root in papers)
+    valid = {name for known in papers.values() for name in known}
+    raise BadInputError(f"no experiments for {paper!r} in {folders}; {did_you_mean(paper, valid)}")
 
 
 def _papers(root: Path) -> list[str]:

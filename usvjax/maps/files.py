@@ -67,7 +67,8 @@ def save_map(grid: GridMap, path: Any, *, replace: bool = True) -> list[Path]:
     ``.map`` gets a JSON sidecar of the same stem unless cells are 1 m and the origin is (0, 0);
     ``.yaml`` gets a ``.pgm`` of the same stem; ``.png`` and ``.pgm`` hold the cells alone, so
     loading them needs ``cell_size`` (and ``origin``) again. Existing files are replaced, but only
-    once everything new is safely on disk.
+    once everything new is safely on disk; a ``.json`` or ``.pgm`` of the same stem that is not
+    part of a saved map is never replaced.
 
     Args:
         grid: The map.
@@ -79,8 +80,9 @@ def save_map(grid: GridMap, path: Any, *, replace: bool = True) -> list[Path]:
 
     Raises:
         BadTypeError: An argument has the wrong type.
-        BadInputError: The format is unknown, the file cannot be written, or it exists and
-            ``replace`` is False.
+        BadInputError: The format is unknown, the file cannot be written, it exists and
+            ``replace`` is False, or a file that is not the map's has the name of its sidecar or
+            image.
     """
     if not isinstance(grid, GridMap):
         raise BadTypeError(f"grid: got {type(grid).__name__}; wanted a GridMap")
@@ -96,7 +98,10 @@ def save_map(grid: GridMap, path: Any, *, replace: bool = True) -> list[Path]:
         raise BadInputError(_unknown_format(place, (*_MOVINGAI, *_ROS, *_LOSSLESS)))
     if not replace:
         for existing in filter(Path.exists, files):
-            raise BadInputError(f"{existing}: exists already and would be replaced")
+            raise BadInputError(
+                f"{existing}: exists already; give replace=True (--force on the command line) "
+                f"to replace it"
+            )
     disk.write_all(files)
     return list(files)
 

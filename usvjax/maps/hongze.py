@@ -39,7 +39,8 @@ def hongze_lake(cell_size: float = 250) -> GridMap:
     size = checks.positive("cell_size", cell_size)
     if size in SHIPPED_CELL_SIZES:
         return _shipped(int(size))
-    factor = round(_FINEST / size)
+    # Bounded, since the quotient of a tiny size is infinite, which cannot be rounded.
+    factor = round(min(_FINEST / size, 1e6))
     if size > _FINEST or abs(factor * size - _FINEST) > 1e-6 * _FINEST:
         raise BadInputError(
             f"cell_size: got {size:g}; wanted 250, 500, 1000 or a whole fraction of 250 (m)"
@@ -79,6 +80,11 @@ def find_map(
             f"{text}: a packaged map has its own cell size (the number in its name) and origin"
         )
     return hongze_lake(float(match.group(1)))
+
+
+def is_packaged_name(text: str) -> bool:
+    """Whether ``find_map`` takes this for the name of a packaged map, not for a file."""
+    return _NAME.fullmatch(text) is not None
 
 
 def packaged_names() -> list[str]:

@@ -9,12 +9,16 @@ from scipy.spatial import cKDTree
 
 from usvjax import checks
 from usvjax.checks import whole_number
+from usvjax.errors import BadInputError
 from usvkernels import grids
 
 _EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=bool)
 # Distances between cell centres are square roots of whole numbers; this keeps "exactly at
 # reach" inside without ever admitting the next distance.
 _AT_REACH = 1e-6
+_AT_ONCE = 2**24  # entries of the table that are looked up at a time
+MOST_BYTES = 2**31
+"""Largest table of obstacles."""
 
 _shoreline = jax.jit(grids.shoreline)
 
@@ -96,7 +100,8 @@ def obstacle_table(blocked: Any, k: int | None, reach_cells: float) -> np.ndarra
 
     Raises:
         BadTypeError: An argument has the wrong type.
-        BadInputError: ``k`` is below 1, ``reach_cells`` not above 0, or ``blocked`` not [H, W].
+        BadInputError: ``k`` is below 1, ``reach_cells`` not above 0, ``blocked`` not [H, W], or
+            the table larger than MOST_BYTES.
     """
     cells = checks.grid("blocked", blocked)
     reach = checks.positive("reach_cells", reach_cells) * (1.0 + _AT_REACH)
@@ -107,11 +112,20 @@ def obstacle_table(blocked: Any, k: int | None, reach_cells: float) -> np.ndarra
         within = tree.query_ball_point(free, reach, return_length=True, workers=-1)
         k = max(8, -(-int(np.max(within, initial=0)) // 8) * 8)
     k = whole_number("k", k, 1)
+    if (size := 4 * k * cells.size) > MOST_BYTES:
+        raise BadInputError(
+            f"map: the obstacles within {reach:g} cells of each of {cells.size:,} cells take "
+            f"{size / 2**30:.1f} GiB; wanted at most {MOST_BYTES / 2**30:g} GiB, by a shorter "
+            "sensing_range or larger cells"
+        )
     table = np.full((*cells.shape, k), -1, np.int32)
-    wanted = min(k, shore.size)
-    if wanted == 0:
+    ranks = np.arange(1, min(k, shore.size) + 1)
+    if len(ranks) == 0:
         return table
-    _, found = tree.query(free, k=np.arange(1, wanted + 1), distance_upper_bound=reach, workers=-1)
     # The tree marks "none within reach" by the number of its points: the -1 appended here.
-    table[~cells, :wanted] = np.append(shore, -1)[found]
+    number = np.append(shore, -1)
+    rows = max(1, _AT_ONCE // len(ranks))  # the tree's answer takes four times the table's room
+    for some in np.split(free, range(rows, len(free), rows)):
+        _, found = tree.query(some, k=ranks, distance_upper_bound=reach, workers=-1)
+        table[some[:, 0], some[:, 1], : len(ranks)] = number[found]
     return table

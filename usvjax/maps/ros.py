@@ -27,6 +27,8 @@ _REQUIRED = ("image", "resolution", "origin", "occupied_thresh", "free_thresh", 
 _MODES = ("trinary", "scale", "raw")
 _BLOCKED_FROM_PERCENT = 50.0
 _UNKNOWN = -1.0
+# What the YAML loader lets through for a date of no calendar, !!int "abc", !!bool "abc", ...
+_NOT_CONVERTED = (ValueError, ArithmeticError, LookupError, AttributeError)
 # map_saver writes these, so that its own readers see free and occupied, nothing unknown.
 _OCCUPIED_THRESH, _FREE_THRESH, _FREE_PIXEL = 0.65, 0.196, 254
 
@@ -67,8 +69,17 @@ def read_ros(
 
 
 def encode_ros(grid: GridMap, path: Path) -> dict[Path, bytes]:
-    """Return a trinary map_server ``.yaml`` and its ``.pgm`` of the same stem."""
+    """Return a trinary map_server ``.yaml`` and its ``.pgm`` of the same stem.
+
+    Raises:
+        BadInputError: There is an image of that name, but no ``.yaml`` that it could belong to.
+    """
     image = path.with_suffix(".pgm")
+    if image.exists() and not path.exists():
+        raise BadInputError(
+            f"{image}: is not the image of {path.name}, which does not exist yet, and would be "
+            f"overwritten; save the map under another name"
+        )
     content = {
         "image": image.name,
         "mode": "trinary",
@@ -85,13 +96,33 @@ def encode_ros(grid: GridMap, path: Path) -> dict[Path, bytes]:
     return {**encode_image(grid, image, free=_FREE_PIXEL), path: text.encode()}
 
 
+class _ConversionError(yaml.MarkedYAMLError):
+    """A value is not of the type that its tag or its looks say."""
+
+
+class _Loader(yaml.SafeLoader):
+    """The safe loader, except that a value it cannot convert is an error of its line."""
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        """Return the value of a node."""
+        try:
+            return super().construct_object(node, deep=deep)
+        except _NOT_CONVERTED:
+            kind = node.tag.rsplit(":")[-1]
+            problem = f"{str(node.value)[:40]!r} cannot be read as {kind}"
+            raise _ConversionError(problem=problem, problem_mark=node.start_mark) from None
+
+
 def _parse(path: Path) -> dict[str, Any]:
     try:
-        content = yaml.safe_load(disk.read_bytes(path).decode())
+        content = yaml.load(disk.read_bytes(path).decode(), _Loader)
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark = getattr(error, "problem_mark", None)
         place = f" line {mark.line + 1}" if mark else ""
-        raise BadInputError(f"{path}{place}: not valid YAML") from None
+        reason = f" ({error.problem})" if isinstance(error, _ConversionError) else ""
+        raise BadInputError(f"{path}{place}: not valid YAML{reason}") from None
+    except RecursionError:
+        raise BadInputError(f"{path}: not valid YAML (nested too deeply)") from None
     if not isinstance(content, dict):
         raise BadInputError(f"{path}: not a map_server file (no keys)")
     missing = [key for key in _REQUIRED if key not in content]
@@ -108,7 +139,7 @@ def _percent(content: dict[str, Any], path: Path) -> np.ndarray:
     negate = _as_flag(content["negate"])
     if not isinstance(content["image"], str):
         raise BadTypeError(f"image: got {content['image']!r}; wanted a file name")
-    pixels = read_pixels(path.parent / content["image"])
+    pixels = read_pixels(path.parent / checks.file_path("image", content["image"]))
     has_alpha = pixels.shape[-1] == 4
     shade = (pixels if mode == "trinary" or not has_alpha else pixels[..., :3]).mean(axis=-1)
     if mode == "raw":

@@ -98,6 +98,11 @@ def _parse(path: Path) -> Any:
         raise BadInputError(f"{path}: not a text file") from None
     except json.JSONDecodeError as error:
         raise BadInputError(f"{path} line {error.lineno}: not valid JSON ({error.msg})") from None
+    except RecursionError:
+        raise BadInputError(f"{path}: not valid JSON (nested too deeply)") from None
+    except ValueError:
+        # Of json.loads, only Python's limit on the digits of a whole number is left.
+        raise BadInputError(f"{path}: holds a whole number of too many digits") from None
 
 
 def _sidecar_of(content: dict[str, Any]) -> Sidecar:

@@ -114,6 +114,8 @@ def _write_mp4(fig: Figure, frames: Iterator[None], path: Path, fps: int) -> Non
 
 
 def frame_steps(states: int, max_frames: int) -> list[int]:
-    """Return the steps to show: evenly spaced, the first and the last among them."""
-    every = max(1, math.ceil((states - 1) / max(1, max_frames - 1)))
+    """Return the steps to show: evenly spaced, the first and the last among them; one, the last."""
+    if max_frames == 1:
+        return [states - 1]
+    every = max(1, math.ceil((states - 1) / (max_frames - 1)))
     return sorted({*range(0, states, every), states - 1})

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
-from usvjax.navigate import NavigateResult, dwa_candidates, navigate_dwa
+from usvjax.navigate import DwaCandidates, NavigateResult, dwa_candidates, navigate_dwa
 from usvjax.plots.decision import Decide, Episode
 from usvjax.plots.paths import Outcome
 from usvjax.scene import set_scene
@@ -25,7 +25,6 @@ from usvjax.study import Run
 from usvjax.study.dwa_workload import DwaCondition
 from usvjax.study.scenarios import Scenarios
 from usvjax.study.workload import get_workload
-from usvkernels.clearance import FAR
 from usvkernels.dwa_params import DwaParams, DwaStatic
 
 FloatArray = NDArray[np.float64]
@@ -58,8 +57,8 @@ class Replay:
         return found if isinstance(found, GridMap) else None
 
     @property
-    def trajectories(self) -> NDArray[np.float32]:
-        """float32[J, T, 5]: x, y (m), psi (rad), v (m/s), w (rad/s)."""
+    def trajectories(self) -> FloatArray:
+        """float[J, T, 5]: x, y (m), psi (rad), v (m/s), w (rad/s)."""
         assert self.result.trajectory is not None
         return self.result.trajectory
 
@@ -98,36 +97,19 @@ class Replay:
 
     def decide(self, row: int) -> Decide:
         """Return the function from a state of one episode to the decision taken there."""
-        goal = self.scenarios.goals[row]
-        sensed = self._sensing(row)
+        starts, goals = self.scenarios.starts[row], self.scenarios.goals[row]
+        seen = self.circles(row) if self.grid_map is None else self.grid_map
+        scene = set_scene(seen, starts, goals, None, self.params, self.static, None)
+        origin, goal = scene.origin, scene.goal[0]
 
-        def decision(state: FloatArray) -> Any:
-            near = sensed(state)
-            return dwa_candidates(near, state, goal, params=self.params, static=self.static)
+        # As the kernel does, in the map's frame: single precision is too coarse in the world's.
+        def decision(state: FloatArray) -> DwaCandidates:
+            state = np.concatenate([state[:2] - origin, state[2:]])
+            near = scene.sensed(state[None, :2])[0].T
+            found = dwa_candidates(near, state, goal, params=self.params, static=self.static)
+            return replace(found, end=found.end + origin, paths=found.paths + origin)
 
         return decision
-
-    def _sensing(self, row: int) -> Any:
-        """From a state to the centres of the obstacles that the vessel knows there."""
-        if self.grid_map is None:
-            circles = self.circles(row)
-            return lambda state: circles
-        starts, goals = self.scenarios.starts[row], self.scenarios.goals[row]
-        scene = set_scene(self.grid_map, starts, goals, None, self.params, self.static, None)
-        chart = scene.chart
-        assert chart is not None
-        table, width = np.asarray(chart.table), int(chart.width)
-        size = float(chart.cell_size)
-
-        def sensed(state: FloatArray) -> FloatArray:
-            x, y = np.floor((state[:2] - scene.origin) / size).astype(int)
-            cells = table[y * width + x]
-            rows, columns = np.divmod(cells, width)
-            centres = scene.origin + size * (np.stack([columns, rows], axis=-1) + 0.5)
-            # Padding stays, so that every decision has the one shape that is compiled.
-            return np.where(cells[:, None] < 0, FAR, centres)
-
-        return sensed
 
 
 def replay(

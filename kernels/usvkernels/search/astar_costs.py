@@ -18,7 +18,6 @@ DIRECTIONS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -
 """Moves (dx, dy) by angle, 45 degrees apart; odd ones are diagonal."""
 
 HEURISTICS = ("octile", "euclidean", "chebyshev", "manhattan", "zero")
-TURN_MODES = ("none", "parent", "accumulated", "exact")
 
 _SMALL = 2**14  # cells of a map on which no shortest path is longer than seven tie bits allow
 
