@@ -104,6 +104,11 @@ def test_running_again_says_that_it_continues(study, tmp_path, capsys):
         ("episodes = 'many'", "'episodes' must be an integer"),
         ("episodes = 2\nshards = 1", "did you mean 'shard'?"),
         ("episodes = ", "not valid TOML"),
+        ("episodes = 2\nrate = 0.2", "unknown key 'rate'; did you mean 'params.rate'?"),
+        ("episodes = " + "1" * 5001, "a whole number of thousands of digits"),
+        ("episodes = " + "[" * 5000, "nested too deeply"),
+        ("episodes = 2147483647\nshard = 2147483647", "'shard' must be at most 1,000,000"),
+        ("episodes = 2\n[axes]\nrate = [0.2]", "section.key; did you mean 'params.rate'?"),
     ],
 )
 def test_a_bad_study_is_one_line_and_exit_2(tmp_path, capsys, text, words):

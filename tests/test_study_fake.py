@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.study.fields import read_table
+from usvjax.study.fields import field_names, read_table
 from usvjax.study.workload import Metric, Prepared, get_workload, register_kind
 from usvkernels.status import EPISODE_ENDINGS, Status
 
@@ -24,6 +24,7 @@ class ToyParams:
     nan_job: int = -1
     running_job: int = -1
     crash_job: int = -1
+    unsensed: float = 0.0
 
 
 def toy_uniforms(seed: int, jobs: np.ndarray, stream: int) -> np.ndarray:
@@ -37,7 +38,7 @@ def toy_uniforms(seed: int, jobs: np.ndarray, stream: int) -> np.ndarray:
 
 
 class ToyWorkload:
-    sections: tuple[str, ...] = ("params",)
+    sections: Mapping[str, tuple[str, ...]] = {"params": field_names(ToyParams)}
     methods: tuple[str, ...] = ("plain", "better", "worse")
     metrics: tuple[Metric, ...] = (
         Metric("time", "s", "Time"),
@@ -66,10 +67,12 @@ class ToyWorkload:
         seconds[(jobs == params.nan_job)] = np.nan
         status[(jobs == params.nan_job)] = Status.REACHED
         status[(jobs == params.running_job)] = Status.RUNNING
+        clearance = noise + params.radius
+        clearance[toy_uniforms(spec.seed, jobs, 9 + len(method)) < params.unsensed] = np.inf
         return {
             "status": status.astype(np.int32),
             "time": seconds.astype(np.float32),
-            "clearance": (noise + params.radius).astype(np.float32),
+            "clearance": clearance.astype(np.float32),
             "steps": (10 * seconds).astype(np.int32) if params.nan_job < 0 else jobs,
         }
 

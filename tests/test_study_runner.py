@@ -1,5 +1,6 @@
 """Running studies: results, resuming, refusing, stopping."""
 
+import io
 import json
 import time
 
@@ -7,11 +8,13 @@ import jax
 import numpy as np
 import polars as pl
 import pytest
+from rich.console import Console
 from test_study_fake import ToyWorkload, run_files, toy_study
 
 from usvjax.devices import chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.study import load_run, parse_spec, run_study
+from usvjax.study.report import terminal
 from usvjax.study.runner import StudyStoppedError, pick_devices, run_unit, unit_jobs
 from usvjax.study.store import Unit
 
@@ -30,6 +33,13 @@ class Recorder:
 
     def stopping(self) -> None:
         self.stops += 1
+
+
+def printed(summary: dict) -> str:
+    """The tables of a summary as a terminal shows them, with plain spaces."""
+    console = Console(file=io.StringIO(), width=100, highlight=False, markup=False)
+    console.print(terminal(summary))
+    return console.file.getvalue().replace("\u00a0", " ")
 
 
 @pytest.fixture
@@ -72,6 +82,72 @@ def test_pairs_rest_on_the_episodes_where_both_succeed(finished):
         assert pair["success"]["both"] == found["n"] == both.height
         gap = (both["time_better"].cast(float) - both["time_plain"].cast(float)).mean()
         assert found["difference"]["value"] == pytest.approx(gap)
+
+
+def test_infinite_values_are_left_out_and_counted(tmp_path, finished):
+    study = toy_study(params={"unsensed": 0.3})
+    result = run_study(parse_spec(study), tmp_path / "unsensed")
+    table = load_run(result.path).table()
+    for condition, old in zip(
+        result.summary["conditions"], finished.summary["conditions"], strict=True
+    ):
+        rows = table.filter(pl.col("condition") == condition["index"])
+        for method, before in zip(condition["methods"], old["methods"], strict=True):
+            own = rows.filter((pl.col("method") == method["method"]) & (pl.col("status") == 1))
+            sensed = own.filter(pl.col("clearance").is_finite())["clearance"].to_numpy()
+            found = method["metrics"]["clearance"]
+            assert (found["n"], found["infinite"]) == (len(sensed), own.height - len(sensed))
+            assert found["infinite"] > 0
+            assert found["mean"]["value"] == pytest.approx(sensed.mean(dtype=float))
+            assert found["median"]["value"] == pytest.approx(np.median(sensed))
+            assert found["mean"]["low"] < found["iqm"]["value"] < found["mean"]["high"]
+            # What the others say has not moved.
+            assert method["metrics"]["time"] == before["metrics"]["time"]
+            assert "infinite" not in method["metrics"]["time"]
+        (pair,) = condition["pairs"]
+        wide = rows.pivot("method", index="job", values=["status", "clearance"])
+        both = wide.filter((pl.col("status_plain") == 1) & (pl.col("status_better") == 1))
+        kept = both.filter(
+            pl.col("clearance_plain").is_finite() & pl.col("clearance_better").is_finite()
+        )
+        found = pair["metrics"]["clearance"]
+        assert (found["n"], found["infinite"]) == (kept.height, both.height - kept.height)
+        means = [kept[f"clearance_{m}"].to_numpy().mean(dtype=float) for m in ("plain", "better")]
+        assert found["baseline"]["mean"]["value"] == pytest.approx(means[0])
+        assert found["method"]["mean"]["value"] == pytest.approx(means[1])
+        assert found["difference"]["value"] == pytest.approx(means[1] - means[0], rel=1e-5)
+        assert pair["metrics"]["time"]["difference"]["value"] is not None
+
+
+def test_reports_say_how_many_values_are_left_out(tmp_path, finished):
+    result = run_study(parse_spec(toy_study(params={"unsensed": 0.3})), tmp_path / "unsensed")
+    condition = result.summary["conditions"][0]
+    text = (result.path / "summary.md").read_text()
+    for found in (condition["methods"][0], condition["pairs"][0]):
+        count = found["metrics"]["clearance"]
+        of_all = f"{count['n']} of {count['n'] + count['infinite']}"
+        assert f"| Clearance (m) | {of_all} |" in text
+    shown = printed(result.summary)
+    assert f"Clearance (m), n = {of_all}" in shown
+    for said in (text, shown):
+        assert "Clearance: episodes with an infinite value" in " ".join(said.split())
+    without = (finished.path / "summary.md").read_text() + printed(finished.summary)
+    assert "infinite" not in without
+
+
+def test_without_any_finite_value_there_is_no_figure(tmp_path):
+    result = run_study(parse_spec(toy_study(params={"unsensed": 1.0})), tmp_path)
+    found = result.summary["conditions"][0]["pairs"][0]["metrics"]["clearance"]
+    assert (found["n"], found["infinite"]) == (0, found["method"]["infinite"])
+    assert found["difference"]["value"] is found["method"]["mean"]["value"] is None
+    assert f"| 0 of {found['infinite']} | - |" in (result.path / "summary.md").read_text()
+
+
+def test_the_terminal_says_what_success_is_a_share_of(finished):
+    text = " ".join(printed(finished.summary).split())
+    assert "success over all episodes, all else over the n where both succeed" in text
+    success = finished.summary["conditions"][0]["pairs"][0]["success"]
+    assert f"better, n = {success['both']} of 250 Success (%)" in text
 
 
 def test_results_do_not_depend_on_shards_order_or_devices(tmp_path, finished):

@@ -116,6 +116,29 @@ def test_start_and_goal_are_outside_every_circle(source):
         assert distance[drawn.valid].min() > 1.5 - 1e-6
 
 
+@pytest.mark.parametrize(
+    ("source", "radius", "words"),
+    [
+        (LatticeMaps(rate_meaning="area"), 0.0, "wanted a radius above 0"),
+        (RandomMaps(density=0.1), 0.0, "'density' counts areas; wanted a radius above 0"),
+        (LatticeMaps(rate_meaning="area"), 1e-200, "'rate_meaning' counts areas; wanted a radius"),
+        (RandomMaps(density=0.1), 1e-200, "a radius above 0 in single precision, got 1e-200"),
+        (RandomMaps(density=1.0), 1e-160, "a radius above 0 in single precision, got 1e-160"),
+        (RandomMaps(density=1.0), 1e-40, r"discs are possible, got 3.1831e\+81 of radius 1e-40 m"),
+    ],
+    ids=str,
+)
+def test_circles_too_small_to_count_are_refused(source, radius, words):
+    with pytest.raises(BadInputError, match=words):
+        source.check(radius, "study.toml")
+
+
+def test_all_points_are_the_most_that_an_area_can_want():
+    tiny = LatticeMaps(rate_meaning="area")
+    tiny.check(1e-40, "study.toml")
+    assert (tiny.draw(0, JOBS[:2], 1e-40).valid.sum(axis=1) == 119).all()
+
+
 def test_a_map_fuller_than_expected_keeps_all_its_obstacles(monkeypatch):
     roomy = LatticeMaps(rate=0.3).draw(9, JOBS, 0.5)
     monkeypatch.setattr(scenarios, "_OVERFLOW", 0.5)

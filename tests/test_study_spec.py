@@ -130,13 +130,43 @@ def test_writing_out_a_default_does_not_change_the_hash():
         ("[maps]\nsource = 'random'\nnumber = -3", "discs are possible, got -3"),
         ("[maps]\nlo = 3\nhi = 3", "'lo' must be below 'hi'"),
         ("[maps]\ngoal = [0, 0]", "the same point"),
+        (
+            "[params]\npreset = 'lake'",
+            r"\[maps\]: 'start' \[0.0, 0.0\] lies 14.1421 m from 'goal' \[10.0, 10.0\], within "
+            "'goal_tolerance' of 100 m",
+        ),
+        ("[params]\npreset = 'wei2023'", "within 'goal_tolerance' of 92.6 m"),
+        ("[params]\ngoal_tolerance = 15.0", "within 'goal_tolerance' of 15 m"),
+        ("[axes]\nparams.goal_tolerance = [0.5, 15.0]", "within 'goal_tolerance' of 15 m"),
+        ("[maps]\ngoal = [0.3, 0.4]", "lies 0.5 m from 'goal'"),
+        (
+            "[maps]\nsource = 'random'\nnumber = 5\n[[conditions]]\nmaps.goal = [1.0, 0.0]\n"
+            "params.goal_tolerance = 1.0",
+            "within 'goal_tolerance' of 1 m",
+        ),
+        (
+            "[maps]\nsource = 'grid'\nmap = 'hongze-250'\nmin_clearance = 400\n"
+            "distance = [100, 2000]\n[params]\npreset = 'lake'\nradius = 200",
+            r"'distance' must begin above 'goal_tolerance' of 100 m.*\[100.0, 2000.0\]",
+        ),
         ("[maps]\ngoal = [inf, 0]", "must be finite"),
         ("[maps]\nsource = 'grid'", "the key 'map' is missing"),
         ("[maps]\nsource = 'grid'\nmap = 'nowhere.map'", "nowhere.map"),
         ("[maps]\nsource = 'grid'\nmap = 'hongze-1000'\n[params]\nradius = 800", "'min_clearance'"),
         ("[maps]\nsource = 'grid'\nmap = 'hongze-1000'", "radius must be at least 707"),
-        ("[axes]\nradius = [0.1]", "'radius' must be section.key"),
-        ("[axes]\nparam.radius = [0.1]", "did you mean 'params'?"),
+        ("[axes]\nradius = [0.1]", "'radius' must be section.key; did you mean 'params.radius'?"),
+        ("[axes]\nraduis = [0.1]", "must be section.key; did you mean 'params.radius'?"),
+        ("[axes]\nparam.radius = [0.1]", "did you mean 'params.radius'?"),
+        ("[axes]\nparams = [0.1]", "'params' must be section.key; such as params.preset"),
+        ("[axes]\nstatic.radius = [1]", r"\[static\]: unknown key.*mean 'params.radius'?"),
+        ("[static]\nrate = 0.2", r"\[static\]: unknown key 'rate'; did you mean 'maps.rate'?"),
+        ("rate = 0.2", "unknown key 'rate'; did you mean 'maps.rate'?"),
+        ("'maps.rate' = 0.2", "unknown key 'maps.rate'; write it without quotation marks"),
+        ("method = 'improved'", "unknown key 'method'; did you mean 'methods'?"),
+        ("Seed = 3", "unknown key 'Seed'; did you mean 'seed'?"),
+        ("xyzzy = 3", "unknown key 'xyzzy'; valid: axes, baseline, conditions"),
+        ("[[conditions]]\nlable = 'x'", "'lable' must be section.key; did you mean 'label'?"),
+        ("[axes]\nlable = ['x']", "'lable' must be section.key"),
         ("[axes]\nparams.radius = [0.1, -1.0]", "radius.*-1"),
         ("[axes]\nparams.radus = [0.1]", "did you mean 'radius'?"),
         ("[[conditions]]\nparams.radius = 1\n[axes]\nparams.radius = [2]", "both"),
@@ -217,6 +247,37 @@ def test_unreadable_files_are_one_line(tmp_path):
         load_spec(tmp_path / "binary.toml")
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("seed = " + "1" * 5001, "holds a whole number of thousands of digits; wanted ones of 64"),
+        ("seed = " + "[" * 5000 + "]" * 5000, "is nested too deeply; wanted at most 16 tables"),
+    ],
+)
+def test_files_that_cannot_even_be_parsed_are_one_line(tmp_path, text, words):
+    (tmp_path / "a.toml").write_text(f'name = "a"\nepisodes = 4\n{text}\n')
+    with pytest.raises(BadInputError, match=rf"a\.toml {words}"):
+        load_spec(tmp_path / "a.toml")
+
+
+def test_a_shard_holds_no_more_than_memory_does():
+    with pytest.raises(BadInputError, match=r"'shard' must be at most 1,000,000.*got 2147483647"):
+        parse_spec(toy_study(episodes=2**31 - 1, shard=2**31 - 1))
+    # However large, a shard has no more episodes than the study.
+    assert parse_spec(toy_study(episodes=250, shard=2**31 - 1)).shard == 2**31 - 1
+
+
+@pytest.mark.parametrize("kind", ["dwa", "route", "cruise"])
+def test_hints_know_the_keys_of_every_kind(kind):
+    study = {"name": "a", "episodes": 2, "kind": kind}
+    spec = parse_spec(study)
+    for section, settings in spec.conditions[0].settings.items():
+        assert set(settings) <= set(spec.workload.sections[section])
+    elsewhere = {"dwa": "static.horizon", "route": "search.weight", "cruise": "cruise.speed"}[kind]
+    with pytest.raises(BadInputError, match=f"did you mean '{elsewhere}'"):
+        parse_spec({**study, elsewhere.partition(".")[2]: 3})
+
+
 def test_a_changed_map_file_changes_the_hash(tmp_path):
     (tmp_path / "a.toml").write_text(
         'name = "a"\nepisodes = 2\n[maps]\nsource = "grid"\nmap = "lake.map"\n'
@@ -253,14 +314,15 @@ def test_an_axis_of_one_value_is_not_told():
     ("text", "words"),
     [
         ("[params]\nradius = 1" + "0" * 400, "'radius' is too large"),
+        ("seed = 0x" + "f" * 5000, "'seed' is too large: a whole number must fit in 64 bits"),
+        ("episode = [" + "[" * 20 + "]" * 21, "'episode' is nested too deeply"),
+        ("[axes]\n" + ".".join("a" * 900) + " = 3", "'a' is nested too deeply"),
         ("[params]\nv_step = 1e-300", "v_step: got 1e-300; wanted more than 0 in single"),
         ("[params]\nv_step = 1e-7", "n_v: got .*; wanted at most 1,000"),
         ("[params]\nheading_weight = 1e300", "a number that single precision holds"),
         ("[static]\nmax_steps = 10000001", "max_steps: got 10000001; wanted at most 10,000,000"),
         ("[maps]\ngoal = [1e9, 0.0]", "goals: episode 0 lies at .*: subtract a local origin"),
         ("[maps]\nhi = 60000", "lattice points; wanted at most 100,000"),
-        ('[maps]\nrate_meaning = "area"\n[params]\nradius = 0', "wanted a radius above 0"),
-        ('[maps]\nsource = "random"\ndensity = 0.1\n[params]\nradius = 0', "a radius above 0"),
         ('[maps]\nsource = "random"\nnumber = 5\nhi = 1e200', "both within 200000 m of 0"),
         ('[maps]\nsource = "grid"\nmap = "hongze-250"\nrefine = 100000', "cells; wanted at most"),
     ],

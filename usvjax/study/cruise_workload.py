@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from enum import IntEnum
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from usvjax.study.cruise_methods import (
     tour_lengths,
 )
 from usvjax.study.cruise_waters import STATIONS, GridWaters, Lake, RandomWaters, Waters
-from usvjax.study.fields import read_table
+from usvjax.study.fields import field_names, read_table
 from usvjax.study.map_inputs import read_map, read_source, saying_where
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.workload import LastShard, Metric, Prepared
@@ -49,7 +50,12 @@ class CruiseCondition:
 class CruiseWorkload:
     """Sail cruises for a study; see `usvjax.study.workload.Workload`."""
 
-    sections: tuple[str, ...] = ("maps", "cruise")
+    sections: Mapping[str, tuple[str, ...]] = MappingProxyType(
+        {
+            "maps": ("source", *field_names(*_SOURCES.values())),
+            "cruise": field_names(CruiseOptions),
+        }
+    )
     methods: tuple[str, ...] = tuple(METHODS)
     metrics: tuple[Metric, ...] = (
         Metric("tour_length", "m", "Tour length"),

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from enum import IntEnum
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,9 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.navigate import navigate_dwa
 from usvjax.presets import check_dwa, fit_window, preset
 from usvjax.scene import set_scene
-from usvjax.study.fields import check_keys, read_values
+from usvjax.study.fields import check_keys, field_names, read_values
 from usvjax.study.map_inputs import read_map, read_source, saying_where
-from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
+from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source, check_outside_goal
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.waters import GridMaps, Water
 from usvjax.study.workload import Metric, Prepared
@@ -52,7 +53,14 @@ class DwaCondition:
 class DwaWorkload:
     """Run DWA episodes for a study; see `usvjax.study.workload.Workload`."""
 
-    sections: tuple[str, ...] = ("maps", "params", "static")
+    sections: Mapping[str, tuple[str, ...]] = MappingProxyType(
+        {
+            "maps": ("source", *field_names(*_SOURCES.values())),
+            "params": ("preset", *field_names(DwaParams)),
+            # The study's own `methods` take the place of this one.
+            "static": tuple(name for name in field_names(DwaStatic) if name != "method"),
+        }
+    )
     methods: tuple[str, ...] = ("traditional", "improved")
     metrics: tuple[Metric, ...] = (
         Metric("time", "s", "Time"),
@@ -72,6 +80,7 @@ class DwaWorkload:
         place = f"{where}: [maps]"
         name, options, source, inputs = _read_maps(settings["maps"], folder, place)
         source.check(float(params.radius), place)
+        _check_outside_goal(source, float(params.goal_tolerance), place)
         with saying_where(place):
             _try_scenarios(source, params, static)
         in_force = {
@@ -97,6 +106,14 @@ class DwaWorkload:
         )
         columns = {metric.name: getattr(result, metric.name) for metric in self.metrics}
         return {"status": result.status, **columns}
+
+
+def _check_outside_goal(source: Source, tolerance: float, where: str) -> None:
+    """Refuse a study whose episodes may succeed before they begin."""
+    if isinstance(source, Water):
+        source.check_outside_goal(tolerance, where)
+    elif isinstance(source, LatticeMaps | RandomMaps):
+        check_outside_goal(source.start, source.goal, tolerance, where)
 
 
 def _try_scenarios(source: Source, params: DwaParams, static: DwaStatic) -> None:

@@ -18,6 +18,11 @@ T = TypeVar("T")
 _TOML_NAMES = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
 
 
+def field_names(*classes: type) -> tuple[str, ...]:
+    """Names of the fields of some dataclasses, each once."""
+    return tuple(dict.fromkeys(f.name for cls in classes for f in dataclasses.fields(cls)))
+
+
 def check_keys(table: Mapping[str, Any], valid: Iterable[str], where: str) -> None:
     """Refuse keys that nobody reads.
 
@@ -88,8 +93,6 @@ def _convert(value: Any, hint: Any, what: str) -> Any:
     """Return `value` as `hint` wants it, or raise BadTypeError."""
     for option in _options(hint):
         if option is float and _is_number(value):
-            if isinstance(value, int) and abs(value) > 10**300:
-                raise BadInputError(f"{what} is too large: a number of {len(str(value))} digits")
             return float(value)
         if option in (int, str, bool) and type(value) is option:
             return value

@@ -61,10 +61,13 @@ def terminal(summary: dict[str, Any]) -> Group:
         ),
     ]
     if len(study["methods"]) > 1:
-        title = f"Difference to {study['baseline']} where both succeed, in n episodes (p by Holm)"
+        title = (
+            f"Difference to {study['baseline']} (p by Holm): success over all episodes, all else "
+            f"over the n where both succeed"
+        )
         parts.append(_rich_table(f"\n{title}", *_short_differences(summary), words=1))
-    stopped = _stopping_note(summary)
-    return Group(*parts, *([Text(stopped)] if stopped else []))
+    below = [note for note in (_infinite_note(summary), _stopping_note(summary)) if note]
+    return Group(*parts, *map(Text, below))
 
 
 def number(value: float | None) -> str:
@@ -175,7 +178,7 @@ def _own_averages(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
             condition["label"],
             method["method"],
             _label(metric),
-            str(method["metrics"][metric["name"]]["n"]),
+            _of_all(method["metrics"][metric["name"]]),
             *(_interval(method["metrics"][metric["name"]][key]) for key in _AVERAGES),
         ]
         for condition in summary["conditions"]
@@ -214,7 +217,7 @@ def _differences(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
                     [
                         *start,
                         _label(metric),
-                        str(found["n"]),
+                        _of_all(found),
                         _interval(found["baseline"]["mean"]),
                         _interval(found["method"]["mean"]),
                         _interval(gap, sign=True),
@@ -244,9 +247,10 @@ def _short_differences(summary: dict[str, Any]) -> tuple[list[str], list[list[st
             for metric in summary["study"]["metrics"]:
                 found = pair["metrics"][metric["name"]]
                 gap = found["difference"]
+                own = f", n\u00a0=\u00a0{_of_all(found)}" if _infinite(found) else ""
                 body.append(
                     [
-                        _label(metric),
+                        f"{_label(metric)}{own}",
                         number(found["baseline"]["mean"]["value"]),
                         number(found["method"]["mean"]["value"]),
                         _interval(gap, sign=True),
@@ -255,7 +259,7 @@ def _short_differences(summary: dict[str, Any]) -> tuple[list[str], list[list[st
                     ]
                 )
             rows.append([condition["label"]])
-            rows.append([f"{pair['method']}, n = {success['both']:,}"])
+            rows.append([f"{pair['method']}, n = {success['both']:,} of {success['n']:,}"])
             rows += [[f"\u00a0{name}", *row] for name, *row in body]
             rows.append([])
     return ["Figure", "Baseline", "Method", "Difference", "Change", "p"], rows
@@ -274,6 +278,34 @@ def _change(relative: float | None) -> str:
     return "-" if relative is None else f"{100 * relative:+.1f} %"
 
 
+def _infinite(found: dict[str, Any]) -> int:
+    """How many values a figure leaves out; summaries only have the key where there are some."""
+    return int(found.get("infinite", 0))
+
+
+def _of_all(found: dict[str, Any]) -> str:
+    """How many values a figure is of, out of how many if it leaves some out."""
+    left_out = _infinite(found)
+    return f"{found['n']} of {found['n'] + left_out}" if left_out else str(found["n"])
+
+
+def _infinite_note(summary: dict[str, Any]) -> str:
+    """Say which metrics leave out episodes; "" where none does."""
+    conditions = summary["conditions"]
+    compared = [one for c in conditions for one in (*c["methods"], *c["pairs"])]
+    metrics = [
+        metric["label"]
+        for metric in summary["study"]["metrics"]
+        if any(_infinite(one["metrics"][metric["name"]]) for one in compared)
+    ]
+    if not metrics:
+        return ""
+    return (
+        f"{' and '.join(metrics)}: episodes with an infinite value, such as the clearance of one "
+        f"that never sensed an obstacle, are left out, and n is of the others."
+    )
+
+
 def _stopping_note(summary: dict[str, Any]) -> str:
     study = summary["study"]
     if study["until"] is None:
@@ -288,12 +320,15 @@ def _stopping_note(summary: dict[str, Any]) -> str:
 def _notes(summary: dict[str, Any]) -> list[str]:
     study, families = summary["study"], summary["study"]["families"]
     looks = len(study["looks"])
+    infinite = _infinite_note(summary)
+    undetermined = "no episode ever" if infinite else "one never"
     notes = [
         "Methods meet the same episodes: the same map, start and goal, or stations.",
         f"Intervals: shares Wilson; averages percentile bootstrap ({study['resamples']} "
         "resamples); mean differences Student's t; difference of success rates Agresti-Min. "
-        '"-": the episodes do not determine this figure, such as a mean clearance where one '
-        "never sensed an obstacle.",
+        '"-": the episodes do not determine this figure, such as a mean clearance where '
+        f"{undetermined} sensed an obstacle.",
+        *([infinite] if infinite else []),
         "p-values: paired t-test, Wilcoxon's signed-rank test and McNemar's exact test, each "
         "Holm-corrected over all tests of its kind in this study ("
         + ", ".join(

@@ -10,13 +10,14 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from enum import IntEnum
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from usvjax.maps.disk import read_bytes
 from usvjax.search.astar import AstarResult
-from usvjax.study.fields import read_table
+from usvjax.study.fields import field_names, read_table
 from usvjax.study.map_inputs import map_digest, read_map, read_source, saying_where
 from usvjax.study.route_benchmark import ScenarioQueries, read_benchmark
 from usvjax.study.route_methods import (
@@ -82,7 +83,13 @@ class _Posed:
 class RouteWorkload:
     """Find routes for a study; see `usvjax.study.workload.Workload`."""
 
-    sections: tuple[str, ...] = ("maps", "search", "smoothing")
+    sections: Mapping[str, tuple[str, ...]] = MappingProxyType(
+        {
+            "maps": ("source", *field_names(*_SOURCES.values())),
+            "search": field_names(SearchOptions),
+            "smoothing": field_names(SmoothingOptions),
+        }
+    )
     methods: tuple[str, ...] = tuple(METHODS)
     metrics: tuple[Metric, ...] = (
         Metric("path_length", "m", "Path length"),

@@ -179,7 +179,7 @@ class RandomMaps:
         if not 0 <= self._count(radius) <= MAX_DISCS:
             raise BadInputError(
                 f"{where}: between 0 and {MAX_DISCS} discs are possible, "
-                f"got {self._count(radius)} of radius {radius:g} m"
+                f"got {self._count(radius):g} of radius {radius:g} m"
             )
 
     def draw(self, seed: int, jobs: np.ndarray, radius: float) -> Scenarios:
@@ -276,9 +276,11 @@ def check_square(lo: float, hi: float, where: str) -> None:
 
 def check_disc(radius: float, name: str, where: str) -> None:
     """Raise BadInputError where discs of no area are to cover a share of the square."""
-    if radius <= 0:
+    # What single precision cannot tell from 0 may have a square that is 0.
+    if not np.float32(radius) > 0:
         raise BadInputError(
-            f"{where}: {name!r} counts areas; wanted a radius above 0, got {radius:g}"
+            f"{where}: {name!r} counts areas; wanted a radius above 0 in single precision, "
+            f"got {radius:g}"
         )
 
 
@@ -290,6 +292,19 @@ def check_ends(
         raise BadInputError(f"{where}: 'start', 'goal' and 'start_heading' must be finite")
     if start == goal:
         raise BadInputError(f"{where}: 'start' and 'goal' are the same point, {list(start)!r}")
+
+
+def check_outside_goal(
+    start: tuple[float, float], goal: tuple[float, float], tolerance: float, where: str
+) -> None:
+    """Raise BadInputError where a start counts as its goal: every episode would end in 0 s."""
+    apart = math.dist(start, goal)
+    if np.float32(apart) <= np.float32(tolerance):
+        raise BadInputError(
+            f"{where}: 'start' {list(start)!r} lies {apart:g} m from 'goal' {list(goal)!r}, within "
+            f"'goal_tolerance' of {tolerance:g} m, so every episode would be over at once; "
+            f"wanted them farther apart"
+        )
 
 
 def _ranks(field: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ The summary is computed from the Parquet shards alone, one condition at a time, 
 run ends with the same bytes as an uninterrupted one.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
@@ -43,6 +44,9 @@ def summarise(spec: StudySpec, run: RunDirectory, progress: Progress) -> dict[st
         JSON-able: "study" (what was run, levels, looks) and "conditions", each with
         "methods" (counts, rates, averages over each method's own successes) and "pairs"
         (against the baseline, over the episodes where both succeed). Missing figures are None.
+        Averages and differences leave out infinite values, such as the clearance of an episode
+        that never sensed an obstacle: where there are any, "infinite" says how many, and "n" is
+        of the others.
     """
     conditions = [_condition(spec, run, condition, progress) for condition in spec.conditions]
     _correct(conditions, len(progress.looks))
@@ -145,17 +149,18 @@ def _pair(
     code, level = int(spec.workload.success), progress.level
     won, base_won = table["status"].to_numpy() == code, base["status"].to_numpy() == code
     both = won & base_won
-    shared = [frame.filter(pl.Series(both)) for frame in (table, base)]
+    shared = _finite_pairs(spec, [frame.filter(pl.Series(both)) for frame in (table, base)])
     seed = (condition.index, _rank(spec, method), 1)
     ours, theirs = _averages(spec, shared, level, seed)
     metrics = {}
     for name in _summarised(spec):
         a, b = (frame[name].to_numpy() for frame in shared)
+        infinite = np.isinf(a)
         metrics[name] = {
-            "n": int(both.sum()),
+            **_count(len(a), int(infinite.sum())),
             "method": ours[name],
             "baseline": theirs[name],
-            "difference": _difference(a, b, level),
+            "difference": _difference(a[~infinite], b[~infinite], level),
         }
     return {
         "method": method,
@@ -163,6 +168,21 @@ def _pair(
         "success": asdict(paired_rates(won, base_won, level)),
         "metrics": metrics,
     }
+
+
+def _finite_pairs(spec: StudySpec, frames: list[pl.DataFrame]) -> list[pl.DataFrame]:
+    """Where one of two methods has an infinite value, give it to both: pairs go together."""
+    for name in _summarised(spec):
+        infinite = np.logical_or.reduce([np.isinf(frame[name].to_numpy()) for frame in frames])
+        if infinite.any():
+            value = pl.when(pl.Series(infinite)).then(pl.lit(math.inf)).otherwise(pl.col(name))
+            frames = [frame.with_columns(value.alias(name)) for frame in frames]
+    return frames
+
+
+def _count(values: int, infinite: int) -> dict[str, int]:
+    """How many values count, and how many are left out, where there are any."""
+    return {"n": values - infinite, **({"infinite": infinite} if infinite else {})}
 
 
 def _difference(a: np.ndarray, b: np.ndarray, level: float) -> dict[str, Any]:
@@ -178,10 +198,17 @@ def _difference(a: np.ndarray, b: np.ndarray, level: float) -> dict[str, Any]:
 def _averages(
     spec: StudySpec, tables: list[pl.DataFrame], level: float, seed: tuple[int, ...]
 ) -> list[dict[str, Any]]:
-    """Averages of every metric of tables of equal height, by name, per table."""
+    """Averages of the finite values of every metric of tables of equal height, by name."""
     names = _summarised(spec)
     columns = np.concatenate([t.select(names).to_numpy() for t in tables], axis=1)
-    found = [_figures(a) for a in averages(columns, level, (spec.seed, *seed))]
+    key = (spec.seed, *seed)
+    found = [_figures(a) for a in averages(columns, level, key)]
+    # The other columns share their resamples, for which they must be of one length.
+    infinite = np.isinf(columns)
+    for place in np.flatnonzero(infinite.any(axis=0)):
+        left = columns[~infinite[:, place], place]
+        (own,) = averages(left[:, None], level, key)
+        found[place] = _figures(own) | _count(len(columns), len(columns) - len(left))
     per_table = len(names)
     return [
         dict(zip(names, found[i * per_table : (i + 1) * per_table], strict=True))

@@ -91,6 +91,15 @@ class Water:
             )
         self.draw(0, np.arange(8), radius)
 
+    def check_outside_goal(self, tolerance: float, where: str) -> None:
+        """Raise BadInputError where a start may be drawn that counts as its goal."""
+        near, far = self.spec.distance
+        if np.float32(near) <= np.float32(tolerance):
+            raise BadInputError(
+                f"{where}: 'distance' must begin above 'goal_tolerance' of {tolerance:g} m, or "
+                f"episodes would be over at once, got {[near, far]!r}"
+            )
+
     def draw(self, seed: int, jobs: np.ndarray, radius: float) -> Scenarios:
         """Return the scenarios of int64[J] jobs.
 

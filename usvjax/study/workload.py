@@ -70,14 +70,15 @@ class Workload(Protocol):
     """A kind of study.
 
     Attributes:
-        sections: TOML tables that it reads, such as ("maps", "params", "static").
+        sections: TOML tables that it reads, such as "maps" or "params", and the keys that each
+            may hold under some setting; only the hints about unknown keys rest on the latter.
         methods: methods that it can run, in the order of the default table.
         metrics: columns of its results, besides job, condition, method and status.
         endings: the codes that the status column may hold, in the order of the tables.
         success: the code that counts as success.
     """
 
-    sections: tuple[str, ...]
+    sections: Mapping[str, tuple[str, ...]]
     methods: tuple[str, ...]
     metrics: tuple[Metric, ...]
     endings: tuple[IntEnum, ...]
