@@ -149,5 +149,5 @@ def test_no_shore_lies_farther_than_the_map_is_across() -> None:
 
 def test_a_table_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("usvjax.maps.obstacles.MOST_BYTES", 110 * 40 * 4 - 1)
-    with pytest.raises(uj.BadInputError, match=r"map: the obstacles within .* by a shorter sensing"):
+    with pytest.raises(uj.BadInputError, match=r"map: the obstacles within .* by a shorter"):
         set_scene(lake(), *voyages(), None, NEAR_SHORE, STATIC, 9.01)
