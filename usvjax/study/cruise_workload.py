@@ -25,6 +25,7 @@ from usvjax.study.cruise_methods import (
 from usvjax.study.cruise_waters import STATIONS, GridWaters, Lake, RandomWaters, Waters
 from usvjax.study.fields import field_names, read_table
 from usvjax.study.map_inputs import read_map, read_source, saying_where
+from usvjax.study.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.workload import LastShard, Metric, Prepared
 from usvkernels.status import CRUISE_ENDINGS, Status
@@ -50,7 +51,7 @@ class CruiseCondition:
 class CruiseWorkload:
     """Sail cruises for a study; see `usvjax.study.workload.Workload`."""
 
-    sections: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    sections: Sections = MappingProxyType(
         {
             "maps": ("source", *field_names(*_SOURCES.values())),
             "cruise": field_names(CruiseOptions),

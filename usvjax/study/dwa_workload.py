@@ -21,6 +21,7 @@ from usvjax.scene import set_scene
 from usvjax.study.fields import check_keys, field_names, read_values
 from usvjax.study.map_inputs import read_map, read_source, saying_where
 from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source, check_outside_goal
+from usvjax.study.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.waters import GridMaps, Water
 from usvjax.study.workload import Metric, Prepared
@@ -53,7 +54,7 @@ class DwaCondition:
 class DwaWorkload:
     """Run DWA episodes for a study; see `usvjax.study.workload.Workload`."""
 
-    sections: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    sections: Sections = MappingProxyType(
         {
             "maps": ("source", *field_names(*_SOURCES.values())),
             "params": ("preset", *field_names(DwaParams)),

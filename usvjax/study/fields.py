@@ -18,9 +18,39 @@ T = TypeVar("T")
 _TOML_NAMES = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
 
 
+MAX_NESTED = 16
+"""Tables and lists within one another; the deepest that a study can use is 6."""
+
+
 def field_names(*classes: type) -> tuple[str, ...]:
     """Names of the fields of some dataclasses, each once."""
     return tuple(dict.fromkeys(f.name for cls in classes for f in dataclasses.fields(cls)))
+
+
+def check_plain(tables: Mapping[str, Any], where: str) -> None:
+    """Refuse numbers and nesting that no setting has, before anything is made of them.
+
+    Raises:
+        BadInputError: naming the key.
+    """
+    level: list[tuple[str, Any]] = list(tables.items())
+    for _ in range(MAX_NESTED):
+        deeper: list[tuple[str, Any]] = []
+        for key, value in level:
+            if isinstance(value, int) and not -(2**63) <= value < 2**63:
+                raise BadInputError(
+                    f"{where}: {key!r} is too large: a whole number must fit in 64 bits"
+                )
+            if isinstance(value, Mapping):
+                deeper += [(str(name), item) for name, item in value.items()]
+            elif isinstance(value, list | tuple):
+                deeper += [(key, item) for item in value]
+        level = deeper
+    if level:
+        raise BadInputError(
+            f"{where}: {level[0][0]!r} is nested too deeply; wanted at most {MAX_NESTED} tables "
+            f"or lists within one another"
+        )
 
 
 def check_keys(table: Mapping[str, Any], valid: Iterable[str], where: str) -> None:

@@ -32,6 +32,7 @@ from usvjax.study.route_methods import (
     finish_routes,
 )
 from usvjax.study.route_queries import Chart, GridQueries, QuerySource, RandomQueries
+from usvjax.study.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.workload import LastShard, Metric, Prepared
 from usvkernels.status import Status
@@ -83,7 +84,7 @@ class _Posed:
 class RouteWorkload:
     """Find routes for a study; see `usvjax.study.workload.Workload`."""
 
-    sections: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    sections: Sections = MappingProxyType(
         {
             "maps": ("source", *field_names(*_SOURCES.values())),
             "search": field_names(SearchOptions),

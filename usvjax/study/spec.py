@@ -6,21 +6,21 @@ one, `[axes]` lists values whose cross product is taken. Both may be given; then
 listed combination is crossed with the axes.
 """
 
-import difflib
 import hashlib
 import itertools
 import json
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.study.fields import read_table
+from usvjax.study.fields import MAX_NESTED, check_plain, read_table
+from usvjax.study.sections import Sections, check_dotted, check_homes, check_top_keys
 from usvjax.study.workload import Workload, get_workload
 from usvjax.suggest import did_you_mean
 
@@ -28,9 +28,6 @@ MAX_EPISODES = 2**31 - 1
 MAX_SEED = 2**32 - 1
 MAX_SHARD = 1_000_000
 """Episodes that are in memory at once; on the lattice they take some gigabytes."""
-
-MAX_NESTED = 16
-"""Tables and lists within one another; the deepest that a study can use is 6."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
@@ -188,15 +185,12 @@ def parse_spec(
         BadInputError: an unknown key (the nearest valid one is named) or an unusable value.
         BadTypeError: a value has the wrong type.
     """
-    _check_plain(tables, where)
+    check_plain(tables, where)
     kind = tables.get("kind", StudyFile.kind)
     workload = get_workload(kind if isinstance(kind, str) else str(kind), where)
     top_names = list(StudyFile.__dataclass_fields__)
     known = [*top_names, *workload.sections, "axes", "conditions"]
-    for key in tables:
-        if key not in known:
-            hint = _meant(key, workload.sections, known)
-            raise BadInputError(f"{where}: unknown key {key!r}; {hint}")
+    check_top_keys(tables, workload.sections, known, where)
     top = read_table(StudyFile, {k: v for k, v in tables.items() if k in top_names}, where)
     methods, baseline = _check_top(top, workload, where)
     sections = {name: _table(tables, name, where) for name in workload.sections}
@@ -205,7 +199,7 @@ def parse_spec(
     conditions = []
     for index, (title, varied, told) in enumerate(variants):
         settings = _overridden(sections, varied)
-        _check_homes(settings, workload.sections, where)
+        check_homes(settings, workload.sections, where)
         prepared = workload.prepare(settings, folder or Path(), where)
         most = prepared.most_jobs
         if most is not None and top.episodes > most:
@@ -244,28 +238,6 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value
-
-
-def _check_plain(tables: Mapping[str, Any], where: str) -> None:
-    """Refuse numbers and nesting that no setting has, before anything is made of them."""
-    level: list[tuple[str, Any]] = list(tables.items())
-    for _ in range(MAX_NESTED):
-        deeper: list[tuple[str, Any]] = []
-        for key, value in level:
-            if isinstance(value, int) and not -(2**63) <= value < 2**63:
-                raise BadInputError(
-                    f"{where}: {key!r} is too large: a whole number must fit in 64 bits"
-                )
-            if isinstance(value, Mapping):
-                deeper += [(str(name), item) for name, item in value.items()]
-            elif isinstance(value, list | tuple):
-                deeper += [(key, item) for item in value]
-        level = deeper
-    if level:
-        raise BadInputError(
-            f"{where}: {level[0][0]!r} is nested too deeply; wanted at most {MAX_NESTED} tables "
-            f"or lists within one another"
-        )
 
 
 def _check_top(top: StudyFile, workload: Workload, where: str) -> tuple[tuple[str, ...], str]:
@@ -313,11 +285,11 @@ def _table(tables: Mapping[str, Any], name: str, where: str) -> Mapping[str, Any
 
 
 def _variants(
-    tables: Mapping[str, Any], sections: Mapping[str, tuple[str, ...]], where: str
+    tables: Mapping[str, Any], sections: Sections, where: str
 ) -> Iterator[tuple[str, dict[str, Any], dict[str, Any]]]:
     """Yield (label or "", all dotted overrides, those that its label lacks) of every condition."""
     axes = _flatten(_table(tables, "axes", where))
-    _check_dotted(axes, sections, f"{where}: [axes]")
+    check_dotted(axes, sections, f"{where}: [axes]")
     for key, values in axes.items():
         if not isinstance(values, list) or not values:
             raise BadTypeError(f"{where}: [axes]: {key!r} must be a list of values, got {values!r}")
@@ -333,7 +305,7 @@ def _variants(
 
 
 def _listed(
-    tables: Mapping[str, Any], sections: Mapping[str, tuple[str, ...]], where: str
+    tables: Mapping[str, Any], sections: Sections, where: str
 ) -> list[tuple[str, dict[str, Any]]]:
     """Read `[[conditions]]`; one empty condition when there is none."""
     listed = tables.get("conditions", [{}])
@@ -350,7 +322,7 @@ def _listed(
         label = flat.pop("label", "")
         if not isinstance(label, str):
             raise BadTypeError(f"{place}: 'label' must be a string, got {label!r}")
-        _check_dotted(flat, sections, place, ["label"])
+        check_dotted(flat, sections, place, ["label"])
         result.append((label, flat))
     return result
 
@@ -364,60 +336,6 @@ def _flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
         else:
             flat[f"{prefix}{key}"] = value
     return flat
-
-
-def _check_dotted(
-    flat: Mapping[str, Any],
-    sections: Mapping[str, tuple[str, ...]],
-    where: str,
-    others: Iterable[str] = (),
-) -> None:
-    for key in flat:
-        section, _, rest = key.partition(".")
-        if section not in sections or not rest or "." in rest:
-            hint = _meant(key, sections, others)
-            raise BadInputError(f"{where}: {key!r} must be section.key; {hint}")
-
-
-def _check_homes(
-    settings: Mapping[str, Mapping[str, Any]],
-    sections: Mapping[str, tuple[str, ...]],
-    where: str,
-) -> None:
-    """Refuse keys that stand in another section than their own; the workload sees to the rest."""
-    for section, table in settings.items():
-        for key in table:
-            homes = _homes(key, sections)
-            if homes and key not in sections[section]:
-                hint = f"did you mean {' or '.join(map(repr, homes))}?"
-                raise BadInputError(f"{where}: [{section}]: unknown key {key!r}; {hint}")
-
-
-def _homes(name: str, sections: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """Where a key may stand, by dotted key."""
-    return [f"{section}.{name}" for section, names in sections.items() if name in names]
-
-
-def _meant(key: str, sections: Mapping[str, tuple[str, ...]], others: Iterable[str]) -> str:
-    """Say what an unknown key may have meant: one of `others`, or one of a section, dotted.
-
-    A key that a section has was put in the wrong place, so it comes before any likeness.
-    """
-    others = list(others)
-    section = key.partition(".")[0]
-    last = key.rpartition(".")[2]
-    if key in _homes(last, sections):
-        return "write it without quotation marks"
-    names = {name for keys in sections.values() for name in keys} | set(others)
-    near = difflib.get_close_matches(last.lower(), sorted(names), n=1, cutoff=0.6)
-    for name in (last, *near):
-        if homes := _homes(name, sections):
-            return f"did you mean {' or '.join(map(repr, homes))}?"
-        if name in others:
-            return f"did you mean {name!r}?"
-    if section in sections:
-        return f"such as {section}.{sections[section][0]}"
-    return did_you_mean(section, [*others, *sections])
 
 
 def _overridden(

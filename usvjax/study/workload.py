@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 import numpy as np
 
 from usvjax.errors import BadInputError
+from usvjax.study.sections import Sections
 from usvjax.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ class Workload(Protocol):
         success: the code that counts as success.
     """
 
-    sections: Mapping[str, tuple[str, ...]]
+    sections: Sections
     methods: tuple[str, ...]
     metrics: tuple[Metric, ...]
     endings: tuple[IntEnum, ...]

@@ -1,0 +1,89 @@
+"""Which keys stand in which section of a study's file, and what a misplaced one may have meant."""
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from usvjax.errors import BadInputError
+from usvjax.suggest import did_you_mean
+
+Sections = Mapping[str, tuple[str, ...]]
+"""By section, the keys that it may hold."""
+
+
+def check_top_keys(
+    tables: Mapping[str, Any], sections: Sections, known: Iterable[str], where: str
+) -> None:
+    """Refuse keys outside all sections that are not `known`.
+
+    Raises:
+        BadInputError: naming the key and what was likely meant.
+    """
+    known = list(known)
+    for key in tables:
+        if key not in known:
+            hint = _meant(key, sections, known)
+            raise BadInputError(f"{where}: unknown key {key!r}; {hint}")
+
+
+def check_dotted(
+    flat: Mapping[str, Any],
+    sections: Sections,
+    where: str,
+    others: Iterable[str] = (),
+) -> None:
+    """Refuse overrides that are neither section.key nor, by mistake of place, one of `others`.
+
+    Raises:
+        BadInputError: naming the key and what was likely meant.
+    """
+    for key in flat:
+        section, _, rest = key.partition(".")
+        if section not in sections or not rest or "." in rest:
+            hint = _meant(key, sections, others)
+            raise BadInputError(f"{where}: {key!r} must be section.key; {hint}")
+
+
+def check_homes(
+    settings: Mapping[str, Mapping[str, Any]],
+    sections: Sections,
+    where: str,
+) -> None:
+    """Refuse keys that stand in another section than their own; the workload sees to the rest.
+
+    Raises:
+        BadInputError: naming the key and its section.
+    """
+    for section, table in settings.items():
+        for key in table:
+            homes = _homes(key, sections)
+            if homes and key not in sections[section]:
+                hint = f"did you mean {' or '.join(map(repr, homes))}?"
+                raise BadInputError(f"{where}: [{section}]: unknown key {key!r}; {hint}")
+
+
+def _homes(name: str, sections: Sections) -> list[str]:
+    """Where a key may stand, by dotted key."""
+    return [f"{section}.{name}" for section, names in sections.items() if name in names]
+
+
+def _meant(key: str, sections: Sections, others: Iterable[str]) -> str:
+    """Say what an unknown key may have meant: one of `others`, or one of a section, dotted.
+
+    A key that a section has was put in the wrong place, so it comes before any likeness.
+    """
+    others = list(others)
+    section = key.partition(".")[0]
+    last = key.rpartition(".")[2]
+    if key in _homes(last, sections):
+        return "write it without quotation marks"
+    names = {name for keys in sections.values() for name in keys} | set(others)
+    near = difflib.get_close_matches(last.lower(), sorted(names), n=1, cutoff=0.6)
+    for name in (last, *near):
+        if homes := _homes(name, sections):
+            return f"did you mean {' or '.join(map(repr, homes))}?"
+        if name in others:
+            return f"did you mean {name!r}?"
+    if section in sections:
+        return f"such as {section}.{sections[section][0]}"
+    return did_you_mean(section, [*others, *sections])
