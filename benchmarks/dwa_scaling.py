@@ -57,10 +57,10 @@ def report(found: dict[str, Any]) -> str:
         "nobody fills again, which a small batch feels. Episodes of one length: 128 decisions "
         "each on Tan's lattice, which leaves the cost of a call. Medians and means are over single "
         "calls. On a virtual machine some short calls take up to 1.75 times as long in the "
-        "computing threads of all devices at once, without any of them waiting: after a pause the "
-        "host may have put two virtual cores on one. Hence all is timed as the machine is, and, "
-        "in turns with that, while processes of idle priority keep its cores awake.\n\n"
-        + "\n\n".join(_of_kind(kind, timed) for kind, timed in found.items())
+        "computing threads of all devices at once, without any of them waiting: other work on the "
+        "host's cores, or two virtual cores that it put on one after a pause. Hence all is timed "
+        "as the machine is, and, in turns with that, while processes of idle priority keep its "
+        "cores awake.\n\n" + "\n\n".join(_of_kind(kind, timed) for kind, timed in found.items())
     )
 
 
