@@ -196,3 +196,11 @@ def public_name(kind: type) -> str:
     if package == "usvkernels" and parts and parts[0] in _SHARING_NAMES:
         return f"usvjax.{parts[0]}.{kind.__name__}"
     return kind.__name__
+
+
+def byte_size(count: int) -> str:
+    """Bytes in a unit that reads well, for a message."""
+    for unit, size in (("GiB", 2**30), ("MiB", 2**20), ("KiB", 2**10)):
+        if count >= size:
+            return f"{count / size:.1f} {unit}"
+    return f"{count} bytes"

@@ -214,12 +214,12 @@ def _check(params: DwaParams, static: DwaStatic, episodes: int | None) -> None:
     _check_static(params, static)
 
 
-def _demand_short_steps(values: dict[str, np.ndarray]) -> None:
+def _demand_short_steps(values: dict[str, Any]) -> None:
     """Collisions are seen at executed positions: a longer step may pass through an obstacle.
 
     With steps of up to the radius, what stays unseen is at most 13 % of it deep.
     """
-    step = np.maximum(np.abs(values["v_min"]), np.abs(values["v_max"])) * values["dt"]
+    step = DwaParams(**values).top_speed * values["dt"]
     short = values["radius"] >= step * (1.0 - _ROUNDING)
     wanted = f"at least {np.max(step):g} m, one step dt at full speed, or obstacles are jumped"
     _demand("radius", values["radius"], short, wanted)

@@ -85,10 +85,9 @@ class Scene:
         """
         course = self.goal - self.start[:, :2]
         length = np.hypot(course[:, 0], course[:, 1])
-        speed = np.maximum(np.abs(params.v_min), np.abs(params.v_max))
         radius = np.asarray(params.radius)
         detour = radius / np.maximum(radius + self._off_course(course, length), TINY)
-        return (1.0 + detour) * length / np.maximum(speed * params.dt, TINY)
+        return (1.0 + detour) * length / np.maximum(params.top_speed * params.dt, TINY)
 
     def _off_course(self, course: np.ndarray, length: np.ndarray) -> np.ndarray | float:
         """Distance (m) from each straight course to the nearest centre beside it, inf if none."""
@@ -294,7 +293,7 @@ def _on_chart(
 
 def _reach(params: DwaParams, static: DwaStatic, sensing_range: float | None) -> float:
     """How far off shore is seen (m); by default, how far from the vessel it can matter."""
-    fastest = np.maximum(np.abs(params.v_min), np.abs(params.v_max))
+    fastest = params.top_speed
     if sensing_range is None:
         if np.ndim(fastest * params.dt * params.v_dec * params.radius):
             raise BadInputError(

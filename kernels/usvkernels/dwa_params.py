@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import jax
 import numpy as np
@@ -38,6 +39,11 @@ class DwaParams:
     goal_tolerance: Scalar = 0.5  # m, not printed
     stuck_distance: Scalar = 0.2  # m, an episode that stays within this ...
     stuck_time: Scalar = 20.0  # s, ... for this long is stuck
+
+    @property
+    def top_speed(self) -> Any:
+        """Largest speed, ahead or astern (m/s), of parameters on the host."""
+        return np.maximum(np.abs(self.v_min), np.abs(self.v_max))
 
 
 @dataclass(frozen=True)

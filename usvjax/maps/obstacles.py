@@ -8,7 +8,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from usvjax import checks
-from usvjax.checks import whole_number
+from usvjax.checks import byte_size, whole_number
 from usvjax.errors import BadInputError
 from usvkernels import grids
 
@@ -115,7 +115,7 @@ def obstacle_table(blocked: Any, k: int | None, reach_cells: float) -> np.ndarra
     if (size := 4 * k * cells.size) > MOST_BYTES:
         raise BadInputError(
             f"map: the obstacles within {reach:g} cells of each of {cells.size:,} cells take "
-            f"{size / 2**30:.1f} GiB; wanted at most {MOST_BYTES / 2**30:g} GiB, by a shorter "
+            f"{byte_size(size)}; wanted at most {byte_size(MOST_BYTES)}, by a shorter "
             "sensing_range or larger cells"
         )
     table = np.full((*cells.shape, k), -1, np.int32)

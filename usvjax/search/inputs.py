@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import one_of, whole_number
+from usvjax.checks import byte_size, one_of, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
 
@@ -180,7 +180,7 @@ def check_memory(needed: int, what: str) -> None:
     left = free_memory()
     if left is not None and needed > left:
         raise BadInputError(
-            f"{what} needs {_size(needed)} of memory; this machine has {_size(left)} left"
+            f"{what} needs {byte_size(needed)} of memory; this machine has {byte_size(left)} left"
         )
 
 
@@ -229,11 +229,3 @@ def _check_free(name: str, grids: np.ndarray, cells: np.ndarray) -> None:
 
 def _cell(cell: np.ndarray) -> str:
     return f"({int(cell[0])}, {int(cell[1])})"
-
-
-def _size(count: int) -> str:
-    """Bytes in a unit that reads well."""
-    for unit, size in (("GiB", 2**30), ("MiB", 2**20), ("KiB", 2**10)):
-        if count >= size:
-            return f"{count / size:.1f} {unit}"
-    return f"{count} bytes"

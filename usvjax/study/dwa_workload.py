@@ -20,7 +20,7 @@ from usvjax.presets import check_dwa, fit_window, preset
 from usvjax.scene import set_scene
 from usvjax.study.fields import check_keys, field_names, read_values
 from usvjax.study.map_inputs import read_map, read_source, saying_where
-from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source, check_outside_goal
+from usvjax.study.scenarios import LatticeMaps, RandomMaps, Source
 from usvjax.study.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.study.waters import GridMaps, Water
@@ -81,7 +81,7 @@ class DwaWorkload:
         place = f"{where}: [maps]"
         name, options, source, inputs = _read_maps(settings["maps"], folder, place)
         source.check(float(params.radius), place)
-        _check_outside_goal(source, float(params.goal_tolerance), place)
+        source.check_outside_goal(float(params.goal_tolerance), place)
         with saying_where(place):
             _try_scenarios(source, params, static)
         in_force = {
@@ -107,14 +107,6 @@ class DwaWorkload:
         )
         columns = {metric.name: getattr(result, metric.name) for metric in self.metrics}
         return {"status": result.status, **columns}
-
-
-def _check_outside_goal(source: Source, tolerance: float, where: str) -> None:
-    """Refuse a study whose episodes may succeed before they begin."""
-    if isinstance(source, Water):
-        source.check_outside_goal(tolerance, where)
-    elif isinstance(source, LatticeMaps | RandomMaps):
-        check_outside_goal(source.start, source.goal, tolerance, where)
 
 
 def _try_scenarios(source: Source, params: DwaParams, static: DwaStatic) -> None:

@@ -17,7 +17,6 @@ T = TypeVar("T")
 
 _TOML_NAMES = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
 
-
 MAX_NESTED = 16
 """Tables and lists within one another; the deepest that a study can use is 6."""
 

@@ -61,6 +61,10 @@ class Source(Protocol):
         """Raise BadInputError when a value cannot be used with this vessel radius (m)."""
         ...
 
+    def check_outside_goal(self, tolerance: float, where: str) -> None:
+        """Raise BadInputError where a start may count as its goal: an episode would end in 0 s."""
+        ...
+
     def draw(self, seed: int, jobs: np.ndarray, radius: float) -> Scenarios:
         """Return the scenarios of int64[J] jobs for obstacle circles of `radius` (m)."""
         ...
@@ -110,6 +114,10 @@ class LatticeMaps:
         if self.rate_meaning not in RATE_MEANINGS:
             hint = did_you_mean(self.rate_meaning, RATE_MEANINGS)
             raise BadInputError(f"{where}: unknown rate_meaning {self.rate_meaning!r}; {hint}")
+
+    def check_outside_goal(self, tolerance: float, where: str) -> None:
+        """Raise BadInputError where the start counts as the goal."""
+        check_outside_goal(self.start, self.goal, tolerance, where)
 
     def draw(self, seed: int, jobs: np.ndarray, radius: float) -> Scenarios:
         """Return the scenarios of int64[J] jobs for obstacle circles of `radius` (m)."""
@@ -181,6 +189,10 @@ class RandomMaps:
                 f"{where}: between 0 and {MAX_DISCS} discs are possible, "
                 f"got {self._count(radius):g} of radius {radius:g} m"
             )
+
+    def check_outside_goal(self, tolerance: float, where: str) -> None:
+        """Raise BadInputError where the start counts as the goal."""
+        check_outside_goal(self.start, self.goal, tolerance, where)
 
     def draw(self, seed: int, jobs: np.ndarray, radius: float) -> Scenarios:
         """Return the scenarios of int64[J] jobs for obstacle circles of `radius` (m)."""

@@ -58,13 +58,17 @@ def check_homes(
         for key in table:
             homes = _homes(key, sections)
             if homes and key not in sections[section]:
-                hint = f"did you mean {' or '.join(map(repr, homes))}?"
+                hint = _at_one_of(homes)
                 raise BadInputError(f"{where}: [{section}]: unknown key {key!r}; {hint}")
 
 
 def _homes(name: str, sections: Sections) -> list[str]:
     """Where a key may stand, by dotted key."""
     return [f"{section}.{name}" for section, names in sections.items() if name in names]
+
+
+def _at_one_of(homes: list[str]) -> str:
+    return f"did you mean {' or '.join(map(repr, homes))}?"
 
 
 def _meant(key: str, sections: Sections, others: Iterable[str]) -> str:
@@ -81,7 +85,7 @@ def _meant(key: str, sections: Sections, others: Iterable[str]) -> str:
     near = difflib.get_close_matches(last.lower(), sorted(names), n=1, cutoff=0.6)
     for name in (last, *near):
         if homes := _homes(name, sections):
-            return f"did you mean {' or '.join(map(repr, homes))}?"
+            return _at_one_of(homes)
         if name in others:
             return f"did you mean {name!r}?"
     if section in sections:
