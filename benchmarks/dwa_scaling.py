@@ -1,22 +1,22 @@
 """Cost per episode from a thousand to a hundred thousand episodes."""
 
 import statistics
+import time
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
+import jax
+
 from benchmarks.markdown import table, verdict
-from benchmarks.timing import REPETITIONS, cores_awake, seconds_of, spread
+from benchmarks.timing import spread
 from benchmarks.workloads import Workload, fixed_length, heavy_tailed, of_method
 
 TITLE = "cost per episode as episodes grow"
 SIZES = (1_000, 3_000, 10_000, 30_000, 100_000)
 AT_ONCE = 2  # place of the size from which on a turn is one call; below, as many episodes
+TURNS = 10
 BAR = 0.10
-CONDITIONS: dict[str, Callable[[], AbstractContextManager[None]]] = {
-    "as the machine is": nullcontext,
-    "cores kept awake": cores_awake,
-}
+CLOCKS: dict[str, Callable[[], float]] = {"wall": time.perf_counter, "cpu": time.process_time}
 
 
 def measure(quick: bool) -> dict[str, Any]:
@@ -30,23 +30,29 @@ def measure(quick: bool) -> dict[str, Any]:
 
 
 def _timed(work: Workload, sizes: tuple[int, ...]) -> dict[str, Any]:
-    parts = {n: work.rows(slice(n)) for n in sizes}
-    results = {n: part.sail() for n, part in parts.items()}
-    seconds: dict[str, dict[int, list[float]]] = {c: {n: [] for n in sizes} for c in CONDITIONS}
-    for _ in range(REPETITIONS):
-        for name, condition in CONDITIONS.items():
-            with condition():
-                for n, part in parts.items():
-                    calls = max(1, sizes[AT_ONCE] // n)
-                    seconds[name][n] += [seconds_of(part.sail) for _ in range(calls)]
+    # Small calls share out the episodes of the one of AT_ONCE: the same lengths in each size.
+    calls = {n: max(1, sizes[AT_ONCE] // n) for n in sizes}
+    parts = {n: [work.rows(slice(i * n, i * n + n)) for i in range(calls[n])] for n in sizes}
+    results = {n: [part.sail() for part in parts[n]] for n in sizes}
+    taken: dict[int, list[dict[str, float]]] = {n: [] for n in sizes}
+    for _ in range(TURNS):
+        for n in sizes:
+            taken[n] += [_cost(part.sail) for part in parts[n]]
     return {
         str(n): {
-            "seconds": {name: seconds[name][n] for name in CONDITIONS},
-            "occupancy": results[n].occupancy,
-            "decisions": int(results[n].steps.sum()),
+            "seconds": {clock: [cost[clock] for cost in taken[n]] for clock in CLOCKS},
+            "devices": jax.local_device_count(),
+            "occupancy": statistics.mean(result.occupancy for result in results[n]),
+            "decisions": statistics.mean(int(result.steps.sum()) for result in results[n]),
         }
         for n in sizes
     }
+
+
+def _cost(call: Callable[[], Any]) -> dict[str, float]:
+    began = {name: clock() for name, clock in CLOCKS.items()}
+    call()
+    return {name: clock() - began[name] for name, clock in CLOCKS.items()}
 
 
 def report(found: dict[str, Any]) -> str:
@@ -56,29 +62,33 @@ def report(found: dict[str, Any]) -> str:
         "of 5 m, 12 to 60 s (see `workloads.heavy_tailed`); the last of them run in lanes that "
         "nobody fills again, which a small batch feels. Episodes of one length: 128 decisions "
         "each on Tan's lattice, which leaves the cost of a call. Medians and means are over single "
-        "calls. On a virtual machine some short calls take up to 1.75 times as long in the "
-        "computing threads of all devices at once, without any of them waiting: other work on the "
-        "host's cores, or two virtual cores that it put on one after a pause. Hence all is timed "
-        "as the machine is, and, in turns with that, while processes of idle priority keep its "
-        "cores awake.\n\n" + "\n\n".join(_of_kind(kind, timed) for kind, timed in found.items())
+        "calls, in turns with those of other sizes; small calls go through the same episodes in "
+        "parts. CPU is the time of all cores that the process used, per core and episode; what the "
+        "wall clock shows beyond it, cores stood idle: while one core checks, packs and collects, "
+        "and where one device ends before the other (episodes are dealt to devices beforehand; a "
+        "virtual machine's cores differ in speed by some per cent from moment to moment, which a "
+        "long call evens out).\n\n"
+        + "\n\n".join(_of_kind(kind, timed) for kind, timed in found.items())
     )
 
 
 def _of_kind(kind: str, found: dict[str, Any]) -> str:
-    def per_episode(of: Callable[[list[float]], float], condition: str) -> dict[str, float]:
-        return {n: of(timed["seconds"][condition]) / int(n) for n, timed in found.items()}
+    def per_episode(of: Callable[[list[float]], float], clock: str) -> dict[str, float]:
+        return {n: of(timed["seconds"][clock]) / int(n) for n, timed in found.items()}
 
-    median = {name: per_episode(statistics.median, name) for name in CONDITIONS}
-    mean = {name: per_episode(statistics.mean, name) for name in CONDITIONS}
-    as_is = next(iter(CONDITIONS))
+    wall, mean = per_episode(statistics.median, "wall"), per_episode(statistics.mean, "wall")
+    every_core = per_episode(statistics.median, "cpu")
+    cpu = {n: seconds / found[n]["devices"] for n, seconds in every_core.items()}
     rows = [
         (
             f"{int(n):,}",
-            len(timed["seconds"][as_is]),
-            *(f"{1e6 * cost[name][n]:.1f}" for name in CONDITIONS for cost in (median, mean)),
-            f"{timed['decisions'] / int(n) / median[as_is][n]:,.0f}",
+            len(timed["seconds"]["wall"]),
+            *(f"{1e6 * cost[n]:.1f}" for cost in (wall, mean, cpu)),
+            f"{1 - cpu[n] / wall[n]:.0%}",
+            f"{timed['decisions'] / int(n):.0f}",
+            f"{timed['decisions'] / int(n) / wall[n]:,.0f}",
             f"{timed['occupancy']:.0%}",
-            *(spread(timed["seconds"][name]) for name in CONDITIONS),
+            spread(timed["seconds"]["wall"]),
         )
         for n, timed in found.items()
     ]
@@ -87,21 +97,19 @@ def _of_kind(kind: str, found: dict[str, Any]) -> str:
         "calls",
         "us per episode",
         "mean",
-        "cores awake: us",
-        "mean",
+        "CPU us per core",
+        "cores idle",
+        "decisions each",
         "decisions/s",
         "occupancy",
         "calls' range",
-        "cores awake: range",
     )
-    verdicts = [_growth(name, median[name], mean[name]) for name in CONDITIONS]
+    costs = {"wall clock": wall, "wall clock, means": mean, "CPU": cpu}
+    verdicts = [_growth(name, cost) for name, cost in costs.items()]
     return "\n".join([table(header, rows), "", *verdicts])
 
 
-def _growth(condition: str, median: dict[str, float], mean: dict[str, float]) -> str:
-    growth, by_means = (max(cost.values()) / min(cost.values()) - 1 for cost in (median, mean))
-    return verdict(
-        f"{condition}: dearest size {growth:+.1%} against the cheapest ({by_means:+.1%} by "
-        "means), at most +10 %",
-        growth <= BAR,
-    )
+def _growth(name: str, cost: dict[str, float]) -> str:
+    growth = max(cost.values()) / min(cost.values()) - 1
+    what = f"{name}: dearest size {growth:+.1%} against the cheapest, at most +10 %"
+    return verdict(what, growth <= BAR)
