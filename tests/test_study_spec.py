@@ -267,6 +267,13 @@ def test_a_shard_holds_no_more_than_memory_does():
     assert parse_spec(toy_study(episodes=250, shard=2**31 - 1)).shard == 2**31 - 1
 
 
+def test_a_condition_has_no_more_shards_than_a_folder_holds_well():
+    message = r"'shard' must be at least 2,148 for 2,147,483,647 episodes.*got 2147$"
+    with pytest.raises(BadInputError, match=message):
+        parse_spec(toy_study(episodes=2**31 - 1, shard=2147))
+    assert parse_spec(toy_study(episodes=2**31 - 1, shard=2148)).shard == 2148
+
+
 @pytest.mark.parametrize("kind", ["dwa", "route", "cruise"])
 def test_hints_know_the_keys_of_every_kind(kind):
     study = {"name": "a", "episodes": 2, "kind": kind}

@@ -162,14 +162,15 @@ def refuse_remote(name: str, points: np.ndarray) -> None:
     """Refuse points, float[B, 2] (m), that single precision resolves badly.
 
     Raises:
-      BadInputError: naming the argument and the first such row.
+      BadInputError: naming the argument and, of several, the first such row.
     """
     remote = np.abs(points) > MOST_REMOTE
     if remote.any():
         row = int(np.argmax(remote.any(axis=1)))
+        which = f"episode {row} lies at" if len(points) > 1 else "got"
         raise BadInputError(
-            f"{name}: episode {row} lies at ({points[row, 0]:g}, {points[row, 1]:g}) m; single "
-            f"precision wants coordinates below {MOST_REMOTE:g} m: subtract a local origin"
+            f"{name}: {which} ({points[row, 0]:g}, {points[row, 1]:g}) m; single precision wants "
+            f"coordinates below {MOST_REMOTE:g} m: subtract a local origin"
         )
 
 

@@ -28,6 +28,8 @@ MAX_EPISODES = 2**31 - 1
 MAX_SEED = 2**32 - 1
 MAX_SHARD = 1_000_000
 """Episodes that are in memory at once; on the lattice they take some gigabytes."""
+MAX_SHARDS = 1_000_000
+"""Shards of a condition: a file each, and a place in the list of what is to be done."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
@@ -253,6 +255,12 @@ def _check_top(top: StudyFile, workload: Workload, where: str) -> tuple[tuple[st
         raise BadInputError(
             f"{where}: 'shard' must be at most {MAX_SHARD:,}, the episodes that memory can hold "
             f"at once, got {top.shard}"
+        )
+    least = -(-top.episodes // MAX_SHARDS)
+    if top.shard < least:
+        raise BadInputError(
+            f"{where}: 'shard' must be at least {least:,} for {top.episodes:,} episodes, so that a "
+            f"condition has at most {MAX_SHARDS:,} files, got {top.shard}"
         )
     _check_range(where, "seed", top.seed, 0, MAX_SEED)
     for key, value in (("until", top.until), ("confidence", top.confidence)):
