@@ -8,7 +8,7 @@ only shard-sized arrays are alive at a time, so memory does not grow with the ep
 import queue
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -119,7 +119,7 @@ def run_episodes(
     unfinished = list(range(len(spec.conditions)))
     try:
         for at in looks:
-            crew.run(list(_units(spec, unfinished, at)))
+            crew.run(_units(spec, unfinished, at))
             for index in unfinished:
                 episodes[index] = at
             if spec.until is not None:
@@ -195,7 +195,7 @@ class _Crew:
         self.done = sum(self._episodes(unit) for unit in run.done)
         listener.begin(self.done, self.total)
 
-    def run(self, units: list[Unit]) -> None:
+    def run(self, units: Iterable[Unit]) -> None:
         """Run those units that are not on disk."""
         missing: queue.SimpleQueue[Unit] = queue.SimpleQueue()
         done = self.directory.done

@@ -29,7 +29,7 @@ MAX_SEED = 2**32 - 1
 MAX_SHARD = 1_000_000
 """Episodes that are in memory at once; on the lattice they take some gigabytes."""
 MAX_SHARDS = 1_000_000
-"""Shards of a condition: a file each, and a place in the list of what is to be done."""
+"""Shards of a condition: a file each, and a place in the queue of what is to be run."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
