@@ -13,8 +13,8 @@ from benchmarks.markdown import table, verdict
 from benchmarks.peers import cruise_plain
 from benchmarks.processes import FreshProcess
 from benchmarks.timing import in_turns, seconds_of, spread
-from usvjax.cruises import CruiseResult, cruise
 from usvjax.devices import usable_cores
+from usvjax.missions.cruise import CruiseResult, cruise
 from usvkernels.status import Status
 
 TITLE = "Cruises per second"

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.markdown import table, verdict
 from usvjax.search.replanning import DstarLiteResult, dstar_lite
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "oracles"))
 plain = importlib.import_module("dstar_reference")
 
 TITLE = "D* Lite is exact"

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.markdown import table, verdict
 from benchmarks.peers import Settings, dwa_numpy
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "oracles"))
 cases = importlib.import_module("dwa_situations")
 
 TITLE = "the same decisions as the oracle"

@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks.markdown import table, verdict
 from benchmarks.workloads import Workload, heavy_tailed, of_method
-from usvjax.navigate import NavigateResult
+from usvjax.missions.dwa.run import NavigateResult
 
 TITLE = "the same episode among other lanes, devices and episodes"
 METHODS = ("traditional", "improved")

@@ -9,11 +9,12 @@ import numpy as np
 from benchmarks.markdown import table
 from benchmarks.timing import in_turns, spread
 from benchmarks.workloads import Workload, heavy_tailed
-from usvjax.navigate import CHUNK, OPTIONS
-from usvjax.scene import set_scene
-from usvkernels import episodes, lanes
-from usvkernels.dwa_params import DwaParams, DwaStatic
-from usvkernels.episodes import Jobs, Outcome
+from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.run import CHUNK, OPTIONS
+from usvkernels import lanes
+from usvkernels.dwa import episodes
+from usvkernels.dwa.episodes import Jobs, Outcome
+from usvkernels.dwa.params import DwaParams, DwaStatic
 
 TITLE = "lanes refilled against lanes that wait"
 WIDTHS = (64, 128, 256, 512)

@@ -66,7 +66,7 @@ def _row(plans: Any, best: Any, reached: np.ndarray, timing: dict[str, Any]) -> 
     """What became of the queries that A* reaches; lengths where the planner found a path."""
     ok = reached & (plans.status == uj.Status.FOUND)
     ratio = plans.cost[ok] / best.cost[ok]
-    inflections = uj.path_metrics(plans.path[ok], plans.path_length[ok]).inflections
+    inflections = uj.path_metrics(plans.path[ok], plans.path_cells[ok]).inflections
     return {
         "found": float(ok.sum() / reached.sum()),
         "total": float(plans.cost[ok].sum() / best.cost[ok].sum()),

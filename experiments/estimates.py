@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from usvjax.study.statistics import Estimate, wilson
+from usvjax.statistics import Estimate, wilson
 
 LEVEL = 0.95
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from usvjax.study.statistics import (
+from usvjax.statistics import (
     RESAMPLES,
     Estimate,
     averages,

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from usvjax.devices import use_all_cores
 
 if TYPE_CHECKING:
-    from usvjax.cruises import CruiseResult, cruise
     from usvjax.errors import BadInputError, BadTypeError
     from usvjax.maps import (
         GridMap,
@@ -21,7 +20,9 @@ if TYPE_CHECKING:
         random_maps,
         save_map,
     )
-    from usvjax.navigate import DwaCandidates, NavigateResult, dwa_candidates, navigate_dwa
+    from usvjax.missions.cruise import CruiseResult, cruise
+    from usvjax.missions.dwa.presets import PRESETS, DwaPreset, fit_window, preset
+    from usvjax.missions.dwa.run import DwaCandidates, NavigateResult, dwa_candidates, navigate_dwa
     from usvjax.paths.metrics import PathMetrics, path_metrics
     from usvjax.paths.smoothing import (
         DensePaths,
@@ -35,14 +36,13 @@ if TYPE_CHECKING:
     from usvjax.paths.tracking import Tracks, track_paths
     from usvjax.paths.turns import PathPieces, SmoothTurns, smooth_turns
     from usvjax.planners import PlanResult, plan_paths
-    from usvjax.presets import PRESETS, DwaPreset, fit_window, preset
     from usvjax.search.astar import AstarResult, astar
     from usvjax.search.distance import distance_field
     from usvjax.search.replanning import DstarLiteResult, dstar_lite
     from usvjax.study import load_run, run_study
     from usvjax.swarms import MinimiseResult, minimise
     from usvjax.tours import TourResult, optimal_tour, solve_tour, tour_length
-    from usvkernels.dwa_params import DwaParams, DwaStatic
+    from usvkernels.dwa.params import DwaParams, DwaStatic
     from usvkernels.paths.tracking import TrackParams
     from usvkernels.paths.turning import Turn
     from usvkernels.status import Status
@@ -107,7 +107,7 @@ __all__ = [
 ]
 
 _HOME = {
-    "usvjax.cruises": ("CruiseResult", "cruise"),
+    "usvjax.missions.cruise": ("CruiseResult", "cruise"),
     "usvjax.planners": ("PlanResult", "plan_paths"),
     "usvjax.swarms": ("MinimiseResult", "minimise"),
     "usvjax.tours": ("TourResult", "optimal_tour", "solve_tour", "tour_length"),
@@ -154,10 +154,15 @@ _HOME = {
         "random_maps",
         "save_map",
     ),
-    "usvjax.navigate": ("DwaCandidates", "NavigateResult", "dwa_candidates", "navigate_dwa"),
-    "usvjax.presets": ("PRESETS", "DwaPreset", "fit_window", "preset"),
+    "usvjax.missions.dwa.run": (
+        "DwaCandidates",
+        "NavigateResult",
+        "dwa_candidates",
+        "navigate_dwa",
+    ),
+    "usvjax.missions.dwa.presets": ("PRESETS", "DwaPreset", "fit_window", "preset"),
     "usvjax.study": ("load_run", "run_study"),
-    "usvkernels.dwa_params": ("DwaParams", "DwaStatic"),
+    "usvkernels.dwa.params": ("DwaParams", "DwaStatic"),
     "usvkernels.status": ("Status",),
 }
 

@@ -137,8 +137,8 @@ class Search:
     def cells(self, base: str) -> tuple[np.ndarray, np.ndarray]:
         """Cells int32[B, P, 2] and their number int32[B]."""
         if base == "shortened":
-            return self.short.path, self.short.path_length
-        found = self.found.path, self.found.path_length
+            return self.short.path, self.short.path_cells
+        found = self.found.path, self.found.path_cells
         return found if base == "astar" else corners_of(*found)
 
 
@@ -156,7 +156,7 @@ def search(scenes: Scenes, expansion: float) -> Search:
     maps = np.repeat(scenes.blocked(expansion), len(ENDS), axis=0)
     found = astar(maps, starts, goals)
     straight = np.linalg.norm(to_points(goals) - to_points(starts), axis=-1)
-    short = shorten(found.path, found.path_length, maps)
+    short = shorten(found.path, found.path_cells, maps)
     return Search(scenes, expansion, scenes.blocked(0.0), maps, found, short, straight)
 
 

@@ -21,7 +21,7 @@ from experiments.chen2023.routes import (
     of_pair,
 )
 from experiments.chen2023.runs import Plan, Results
-from usvjax.study.statistics import (
+from usvjax.statistics import (
     RESAMPLES,
     Estimate,
     holm,

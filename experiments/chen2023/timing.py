@@ -31,7 +31,7 @@ class Stages:
         found = self.searched.found
         return {
             "search": lambda: astar(self.searched.maps, self.starts, self.goals),
-            "shorten": lambda: shorten(found.path, found.path_length, self.searched.maps),
+            "shorten": lambda: shorten(found.path, found.path_cells, self.searched.maps),
             "bspline": lambda: make_route(self.searched, SPLINE),
             "arcs": lambda: make_route(self.searched, PROPOSED),
         }

@@ -11,7 +11,7 @@ from experiments.tan2022.episodes import Episodes, Plan, Results
 from experiments.tan2022.published import METHODS, METRICS, RADII, TABLE4
 from experiments.tan2022.readings import CASES, Case, Reading
 from experiments.tan2022.tables import per_map_change
-from usvjax.study.statistics import (
+from usvjax.statistics import (
     RESAMPLES,
     averages,
     holm,

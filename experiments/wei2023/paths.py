@@ -71,7 +71,7 @@ def plan(
     def one(heuristic: str, label: str) -> Stages:
         scene = scenes[label]
         found = astar(scene.blocked, scene.starts, scene.goals, heuristic=heuristic, engine="queue")
-        stages = smoothed(scene, found.path, found.path_length)
+        stages = smoothed(scene, found.path, found.path_cells)
         advance(1)
         return stages
 
@@ -119,8 +119,8 @@ def smoothed(scene: Scenes, cells: np.ndarray, counts: np.ndarray) -> Stages:
     short = shorten(cells, counts, scene.blocked)
     stages = {
         "before": (cells, counts),
-        "key points": (keys.path, keys.path_length),
-        "shortened": (short.path, short.path_length),
+        "key points": (keys.path, keys.path_cells),
+        "shortened": (short.path, short.path_cells),
     }
     return {stage: _measured(scene, *found) for stage, found in stages.items()}
 

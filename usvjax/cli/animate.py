@@ -49,9 +49,10 @@ def animate(
         as_json: Print the file written as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.plots.animation import animate_episode, check_animation
-    from usvjax.plots.replays import replay
+    from usvjax.missions.dwa.film import animate_episode
+    from usvjax.plots.film import check_animation
     from usvjax.study import load_run
+    from usvjax.study.replays import replay
 
     use_compilation_cache()
     opened = load_run(run)
@@ -81,7 +82,7 @@ def _default_job(table: "pl.DataFrame", condition: int, methods: list[str]) -> i
     """Return the episode that stands for a condition; 0 where there is no such condition."""
     import polars as pl
 
-    from usvjax.plots.study import typical_job
+    from usvjax.missions.dwa.figures import typical_job
 
     mine = table.filter(pl.col("condition") == condition)
     return 0 if mine.is_empty() else typical_job(mine, methods)[0]

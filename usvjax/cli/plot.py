@@ -40,7 +40,7 @@ def plot(
         as_json: Print the files written as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.plots.study import figures_for_run
+    from usvjax.missions.dwa.figures import figures_for_run
 
     use_compilation_cache()
     console = Console(highlight=False, markup=False, soft_wrap=True)

@@ -17,7 +17,7 @@ from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map
 
 if TYPE_CHECKING:
-    from usvjax.study.route_methods import Routes
+    from usvjax.missions.route.run import Routes
 
 MapName = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="MAP")]
 Place = Annotated[str, tyro.conf.arg(metavar="X,Y")]
@@ -83,7 +83,7 @@ def route(
         as_json: Print JSON for scripts.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.study.route_methods import METHODS, SearchOptions, SmoothingOptions
+    from usvjax.missions.route.run import METHODS, SearchOptions, SmoothingOptions
 
     grid = find_map(map_name, cell_size=cell_size)
     if not 0.0 <= inflate < float("inf"):
@@ -142,15 +142,15 @@ class _Query:
 
     def check(self) -> None:
         """Raise BadInputError when a setting cannot be used."""
-        from usvjax.study.route_methods import check_options
+        from usvjax.missions.route.run import check_options
 
         longest = self.grid.cell_size * max(self.grid.shape)
         check_options(self.search, self.smoothing, longest, _as_option)
 
     def solve(self, method: str) -> "tuple[Routes, float]":
         """Return the route of a method, and the seconds that it took once compiled."""
-        from usvjax.study.route_methods import Area, find_paths, finish_routes
-        from usvjax.study.route_queries import Queries
+        from usvjax.missions.route.run import Area, find_paths, finish_routes
+        from usvjax.missions.route.scenes import Queries
 
         ends = np.array([[self.start], [self.goal]], np.int32)
         queries = Queries(self.water.blocked, self.grid.blocked, ends[0], ends[1])

@@ -80,7 +80,7 @@ def study(
 
 def _figures(run: Path, folder: Path) -> list[Path]:
     """Draw the figures of a run; map files that its study names are relative to `folder`."""
-    from usvjax.plots.study import figures_for_run
+    from usvjax.missions.dwa.figures import figures_for_run
 
     return figures_for_run(run, folder=folder)
 

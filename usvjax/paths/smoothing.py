@@ -27,12 +27,12 @@ class KeyPaths:
 
     Attributes:
       path: int32[B, Q, 2], cells (x, y); the last is repeated.
-      path_length: int32[B], points of each path, 0 where there was none.
+      path_cells: int32[B], points of each path, 0 where there was none.
       index: int32[B, Q], place of each point in the path it came from.
     """
 
     path: np.ndarray
-    path_length: np.ndarray
+    path_cells: np.ndarray
     index: np.ndarray
 
 
@@ -42,11 +42,11 @@ class DensePaths:
 
     Attributes:
       path: float64[B, Q, 2], points (m); the last is repeated.
-      path_length: int32[B], points of each path, 0 where there was none.
+      path_cells: int32[B], points of each path, 0 where there was none.
     """
 
     path: np.ndarray
-    path_length: np.ndarray
+    path_cells: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def shorten(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool = Fa
     Args:
       paths: int[B, P, 2], cells (x, y), as `astar` returns them; points past the end of a path
         are ignored.
-      lengths: int[B], points of each path, `path_length` of `astar`; 0 where there is no path.
+      lengths: int[B], points of each path, `path_cells` of `astar`; 0 where there is no path.
         None: all P.
       blocked: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
       corner_cutting: through a corner, count only the two cells that the segment passes

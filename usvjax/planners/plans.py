@@ -30,7 +30,7 @@ class PlanResult:
         OUT_OF_BUDGET (the planner found none) or BLOCKED.
       path: int32[B, P, 2], cells (x, y) from start to goal, the goal repeated up to the longest
         path; -1 throughout without a path.
-      path_length: int32[B], cells of the path, start and goal included; 0 without a path.
+      path_cells: int32[B], cells of the path, start and goal included; 0 without a path.
       cost: float64[B], length of the path in cells; inf without one.
       history: float64[B, iterations], length of the best path so far (of "ga", the one of best
         fitness so far, which may be longer than one before); inf as long as there was none.
@@ -38,7 +38,7 @@ class PlanResult:
 
     status: np.ndarray
     path: np.ndarray
-    path_length: np.ndarray
+    path_cells: np.ndarray
     cost: np.ndarray
     history: np.ndarray
 
@@ -138,7 +138,7 @@ def _collected(
     return PlanResult(
         status=status.astype(np.int32),
         path=path.astype(np.int32),
-        path_length=count.astype(np.int32),
+        path_cells=count.astype(np.int32),
         cost=cost,
         history=history,
     )

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from usvjax.errors import BadInputError
 from usvjax.plots import style
-from usvjax.study.statistics import wilson
+from usvjax.statistics import wilson
 from usvkernels.status import Status
 
 ENDINGS = (Status.REACHED, Status.COLLIDED, Status.STUCK, Status.TIMED_OUT)

@@ -44,7 +44,7 @@ class AstarResult:
         for; inf without a path.
       path: int32[B, P, 2], cells (x, y) from start to goal, the goal repeated up to the longest
         path; -1 throughout without a path.
-      path_length: int32[B], cells of the path, start and goal included; 0 without a path.
+      path_cells: int32[B], cells of the path, start and goal included; 0 without a path.
       turning: float64[B], turning angles along the path added up (rad).
       expanded: int32[B], cells (turning costs taken exactly: states) taken off the open list,
         the goal included. By sweeps, those that A* must expand, however it breaks ties.
@@ -54,7 +54,7 @@ class AstarResult:
     status: np.ndarray
     cost: np.ndarray
     path: np.ndarray
-    path_length: np.ndarray
+    path_cells: np.ndarray
     turning: np.ndarray
     expanded: np.ndarray
     engine: str
@@ -229,7 +229,7 @@ def _swept(scene: SearchScene, corner_cutting: bool, connectivity: int, lanes: i
         status=found.status,
         cost=found.cost,
         path=found.path,
-        path_length=found.path_length,
+        path_cells=found.path_cells,
         turning=turning_of(found.path) * (np.pi / 4),
         expanded=found.expanded,
         engine="sweep",
@@ -316,7 +316,7 @@ def _collected(scene: SearchScene, done: list[_Block], turn_cost: float) -> Asta
     longest = max([1, *(block.paths.cells.shape[1] for block in done)])
     check_paths(count, longest)
     status = np.full(count, int(Status.BLOCKED), np.int32)
-    expanded, path_length = np.zeros(count, np.int32), np.zeros(count, np.int32)
+    expanded, path_cells = np.zeros(count, np.int32), np.zeros(count, np.int32)
     cost, turning = np.full(count, np.inf), np.zeros(count)
     path = np.full((count, longest, 2), -1, np.int32)
     for block in done:
@@ -325,7 +325,7 @@ def _collected(scene: SearchScene, done: list[_Block], turn_cost: float) -> Asta
         paths = block.paths
         path[arrived, : paths.cells.shape[1]] = paths.cells
         path[arrived, paths.cells.shape[1] :] = scene.goals[arrived, None]
-        path_length[arrived] = paths.count
+        path_cells[arrived] = paths.count
         turning[arrived] = paths.turns * (np.pi / 4)
         cost[arrived] = paths.length + turn_cost * paths.turns
-    return AstarResult(status, cost, path, path_length, turning, expanded, "queue")
+    return AstarResult(status, cost, path, path_cells, turning, expanded, "queue")

@@ -35,7 +35,7 @@ class SweepPaths:
       cost: float64[B], n_straight + n_diagonal * sqrt(2) along the path; inf where not found.
       path: int32[B, P, 2], cells (x, y) from start to goal, then the goal repeated; -1
         throughout where not found.
-      path_length: int32[B], cells in the path, start and goal included; 0 where not found.
+      path_cells: int32[B], cells in the path, start and goal included; 0 where not found.
       expanded: int32[B], cells that A* with the octile (or, with 4 neighbours, Manhattan)
         distance h expands at least: those with g + h < cost, and of those with g + h = cost
         the ones on the path (the best tie-breaking there is). Where there is no path, the
@@ -46,7 +46,7 @@ class SweepPaths:
     status: np.ndarray
     cost: np.ndarray
     path: np.ndarray
-    path_length: np.ndarray
+    path_cells: np.ndarray
     expanded: np.ndarray
     passes: np.ndarray
 
@@ -98,7 +98,7 @@ class _Table:
 
     status: np.ndarray
     cost: np.ndarray
-    path_length: np.ndarray
+    path_cells: np.ndarray
     expanded: np.ndarray
     passes: np.ndarray
     pieces: list[tuple[np.ndarray, np.ndarray]]  # rows and their paths
@@ -120,7 +120,7 @@ class _Table:
         steps = (straight + diagonal)[ended]
         self.status[chosen] = routes.status[ended]
         self.cost[chosen] = np.where(found, cells(routes.length[ended], units), np.inf)
-        self.path_length[chosen] = np.where(found, steps + 1, 0)
+        self.path_cells[chosen] = np.where(found, steps + 1, 0)
         self.expanded[chosen] = routes.expanded[ended]
         self.passes[chosen] = routes.passes[ended]
         keep = int(steps.max(initial=0)) + 1
@@ -128,16 +128,14 @@ class _Table:
         return int((straight + diagonal)[~fits].max(initial=0)) + 1
 
     def paths(self, scene: SearchScene) -> SweepPaths:
-        longest = max(1, int(self.path_length.max(initial=1)))
+        longest = max(1, int(self.path_cells.max(initial=1)))
         check_paths(len(scene), longest)
         found = (self.status == Status.FOUND)[:, None]
         path = np.empty((len(scene), longest, 2), np.int32)
         path[:] = np.where(found, scene.goals, -1)[:, None]
         for rows, piece in self.pieces:
             path[rows, : piece.shape[1]] = piece
-        return SweepPaths(
-            self.status, self.cost, path, self.path_length, self.expanded, self.passes
-        )
+        return SweepPaths(self.status, self.cost, path, self.path_cells, self.expanded, self.passes)
 
 
 def greatest_h(width: int, height: int, units: Units, connectivity: int) -> int:

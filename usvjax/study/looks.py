@@ -9,7 +9,7 @@ before it starts (one shard, then doubling), and every interval is computed at t
 
 from collections.abc import Sequence
 
-from usvjax.study.statistics import Estimate, wilson
+from usvjax.statistics import Estimate, wilson
 
 
 def look_schedule(episodes: int, shard: int, until: float | None) -> tuple[int, ...]:

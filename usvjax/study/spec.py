@@ -19,10 +19,10 @@ from pathlib import Path
 from typing import Any
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.study.fields import MAX_NESTED, check_plain, read_table
-from usvjax.study.sections import Sections, check_dotted, check_homes, check_top_keys
-from usvjax.study.workload import Workload, get_workload
+from usvjax.mission import Workload, get_workload
+from usvjax.sections import Sections, check_dotted, check_homes, check_top_keys
 from usvjax.suggest import did_you_mean
+from usvjax.tables import MAX_NESTED, check_plain, read_table
 
 MAX_EPISODES = 2**31 - 1
 MAX_SEED = 2**32 - 1

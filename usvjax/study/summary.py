@@ -12,10 +12,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 
-from usvjax.study.looks import width
-from usvjax.study.runner import Progress, unit_jobs
-from usvjax.study.spec import Condition, StudySpec, plain
-from usvjax.study.statistics import (
+from usvjax.statistics import (
     RESAMPLES,
     Averages,
     averages,
@@ -24,6 +21,9 @@ from usvjax.study.statistics import (
     paired_rates,
     wilson,
 )
+from usvjax.study.looks import width
+from usvjax.study.runner import Progress, unit_jobs
+from usvjax.study.spec import Condition, StudySpec, plain
 from usvjax.study.store import RunDirectory, Unit
 
 FORMAT = 1

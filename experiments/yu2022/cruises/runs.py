@@ -11,7 +11,7 @@ import numpy as np
 import usvjax as uj
 from experiments.yu2022.cases import COMPLEX, COMPLEX_SIDE, ORDINARY, ORDINARY_SIDE
 from experiments.yu2022.cruises.published import PROPOSED
-from usvjax.cruises import CruiseResult
+from usvjax.missions.cruise import CruiseResult
 from usvkernels.status import Status
 
 CELL = 10.0

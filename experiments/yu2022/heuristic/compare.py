@@ -8,7 +8,7 @@ import numpy as np
 from experiments.estimates import LEVEL, ratio, share
 from experiments.yu2022.heuristic.plans import Sailed
 from experiments.yu2022.heuristic.published import HEURISTICS, TRADITIONAL
-from usvjax.study.statistics import averages
+from usvjax.statistics import averages
 from usvkernels.status import Status
 
 _ALIKE = 1e-6

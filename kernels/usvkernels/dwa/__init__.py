@@ -1,0 +1,1 @@
+"""The dynamic window approach: window, candidates, clearance and closed-loop episodes."""

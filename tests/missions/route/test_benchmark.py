@@ -1,0 +1,104 @@
+"""Route studies on scenario files of the MovingAI benchmark."""
+
+import jax
+import numpy as np
+import pytest
+from route_ponds import route_study
+
+from usvjax.errors import BadInputError
+from usvjax.maps import GridMap, save_map
+from usvjax.study import parse_spec
+from usvkernels.status import Status
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_device():
+    """As in a study; every device would compile for itself."""
+    with jax.default_device(jax.local_devices()[0]):
+        yield
+
+
+SCEN = """version 1
+0\tmaps/room.map\t6\t5\t0\t0\t5\t0\t5
+1\tmaps/room.map\t6\t5\t0\t0\t1\t1\t1.41421356
+2\tmaps/room.map\t6\t5\t2\t2\t2\t2\t0
+3\tmaps/room.map\t6\t5\t0\t0\t0\t4\t8
+"""
+
+
+@pytest.fixture
+def benchmark(tmp_path):
+    blocked = np.zeros((5, 6), bool)
+    save_map(GridMap(blocked), tmp_path / "room.map")
+    (tmp_path / "room.map.scen").write_text(SCEN)
+    return tmp_path
+
+
+def scen_study(**changes):
+    maps = {"source": "movingai", "scen": "room.map.scen", **changes.pop("maps", {})}
+    return route_study(**{"episodes": 4, "maps": maps, "smoothing": {}, **changes})
+
+
+def test_a_scenario_file_gives_every_query_once_with_its_optimum(benchmark):
+    spec = parse_spec(scen_study(maps={"cell_size": 2.0}), folder=benchmark)
+    drawn = spec.conditions[0].payload.source.draw(4, np.arange(4))
+    assert sorted(drawn.published.tolist()) == [0.0, 1.41421356, 5.0, 8.0]
+    assert drawn.starts.tolist() != [[0, 0], [0, 0], [2, 2], [0, 0]]
+    row = spec.workload.run(spec, spec.conditions[0], "astar", np.arange(4))
+    ratio = dict(zip(drawn.published.tolist(), row["ratio"].tolist(), strict=True))
+    # The last line is wrong on purpose: the route is 4 cells long.
+    assert ratio == pytest.approx({0.0: 1.0, 1.41421356: 1.0, 5.0: 1.0, 8.0: 0.5})
+    assert set(row["path_length"].round(6)) == {0.0, 2.828427, 10.0, 8.0}
+
+
+@pytest.mark.parametrize("method", ["smoothed", "bspline"])
+def test_a_route_from_a_cell_to_itself_has_no_length(benchmark, method):
+    spec = parse_spec(scen_study(), folder=benchmark)
+    row = spec.workload.run(spec, spec.conditions[0], method, np.arange(4))
+    nowhere = spec.conditions[0].payload.source.draw(4, np.arange(4)).published == 0.0
+    assert row["path_length"][nowhere] == [0.0]
+    assert row["ratio"][nowhere] == [1.0]
+    assert (row["status"] == Status.FOUND).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("version 1", "bucket", "no 'version' in line 1"),
+        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0", "line 2 has 8 fields"),
+        ("6\t5\t0\t0\t5\t0\t5", "7\t5\t0\t0\t5\t0\t5", "line 2 is for a map of 7 x 5 cells"),
+        (
+            "6\t5\t0\t0\t5\t0\t5",
+            "6\t5\t0\t0\t6\t0\t5",
+            r"line 2: the goal \[6, 0\] is no free cell",
+        ),
+        ("6\t5\t2\t2\t2\t2\t0", "6\t5\t2\t-1\t2\t2\t0", r"line 4: the start \[2, -1\]"),
+        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0\tfar", "line 2 is no query"),
+        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0\tnan", "line 2: the length is nan"),
+        ("room.map", "hall.map", r"hall\.map: no such file"),
+    ],
+)
+def test_bad_scenario_files_are_refused(benchmark, old, new, words):
+    path = benchmark / "room.map.scen"
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(BadInputError, match=words) as caught:
+        parse_spec(scen_study(), folder=benchmark, where="study.toml")
+    assert str(caught.value).startswith("study.toml")
+
+
+def test_more_episodes_than_queries_are_refused(benchmark):
+    with pytest.raises(BadInputError, match="'episodes' must be at most 4"):
+        parse_spec(scen_study(episodes=5), folder=benchmark)
+
+
+def test_the_shortest_routes_have_the_published_lengths(request):
+    folder = request.config.rootpath.parent / "shared" / "data" / "movingai" / "dao"
+    if not folder.is_dir():
+        pytest.skip(f"no MovingAI maps in {folder}")
+    spec = parse_spec(scen_study(episodes=60, maps={"scen": "arena.map.scen"}), folder=folder)
+    jobs = np.arange(60)
+    row = spec.workload.run(spec, spec.conditions[0], "astar", jobs)
+    published = spec.conditions[0].payload.source.draw(spec.seed, jobs).published
+    assert (row["status"] == Status.FOUND).all()
+    np.testing.assert_allclose(row["path_length"], published, atol=5e-4)
+    assert len(set(published)) > 30

@@ -1,0 +1,6 @@
+"""The multi-target cruise: stations, an order, and the way through water that changes."""
+
+from usvjax.missions.cruise.result import CruiseResult
+from usvjax.missions.cruise.run import METHODS, cruise
+
+__all__ = ["METHODS", "CruiseResult", "cruise"]

@@ -1,0 +1,1 @@
+"""Closed-loop navigation under the dynamic window approach (Tan et al. 2022)."""

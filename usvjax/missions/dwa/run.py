@@ -1,0 +1,342 @@
+"""Closed-loop navigation with the dynamic window approach, thousands of episodes at once."""
+
+from dataclasses import dataclass, fields
+from functools import partial
+from threading import Lock
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.sharding import SingleDeviceSharding
+
+from usvjax.checks import float_array, whole_number
+from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices, share_out
+from usvjax.missions.dwa.inputs import Scene, padded, refuse_remote, set_scene
+from usvjax.missions.dwa.presets import check_dwa
+from usvkernels import lanes
+from usvkernels.dwa import candidates, episodes, window
+from usvkernels.dwa.episodes import Jobs, Outcome
+from usvkernels.dwa.params import DwaParams, DwaStatic
+from usvkernels.lanes import LEAST_LANES
+
+MOST_LANES = 256  # state of a step stays within the second-level cache
+MOST_ROWS = 8192  # episodes per call of a device; memory does not grow past it
+JOBS_PER_LANE = 4  # at least, or lanes idle for want of a next job
+CHUNK = 8  # steps between two refills
+OPTIONS = COMPILER_OPTIONS | ONE_THREAD
+
+_tracing = Lock()
+_compiled: dict[tuple[Any, ...], Any] = {}  # a device's programs, by what they depend on
+
+
+@dataclass(frozen=True)
+class NavigateResult:
+    """How B episodes ended; numpy arrays, in the order of the arguments.
+
+    Attributes:
+      status: int32[B], `Status`: REACHED, COLLIDED, STUCK or TIMED_OUT.
+      time: float32[B], duration (s) to whatever ended the episode.
+      path_length: float32[B], distance sailed (m).
+      mean_speed: float32[B], path_length / time (m/s); 0 for an episode of no duration.
+      min_clearance: float32[B], least distance to an obstacle's circle at an executed
+        position (m), negative on collision; inf where no obstacle was ever sensed.
+      steps: int32[B], control periods executed.
+      trajectory: float32[B, T, 5] or None: x (m), y (m), psi (rad), v (m/s), w (rad/s) from
+        the start on; after its end an episode repeats its last row. float64 on a map whose
+        origin is not (0, 0): single precision resolves no step at UTM coordinates.
+      occupancy: share of lane-steps that advanced an episode, in (0, 1].
+    """
+
+    status: np.ndarray
+    time: np.ndarray
+    path_length: np.ndarray
+    mean_speed: np.ndarray
+    min_clearance: np.ndarray
+    steps: np.ndarray
+    trajectory: np.ndarray | None
+    occupancy: float
+
+
+@dataclass(frozen=True)
+class DwaCandidates:
+    """One decision opened up; numpy arrays.
+
+    Attributes:
+      v: float32[n_v], candidate speeds (m/s).
+      w: float32[n_w], candidate yaw rates (rad/s).
+      end: float32[n_v, n_w, 2], predicted positions (m).
+      paths: float32[n_v, n_w, horizon + 1, 2], predicted trajectories (m).
+      clearance: float32[n_v, n_w], dist (m), capped.
+      admissible: bool[n_v, n_w].
+      score: float32[n_v, n_w], -inf where not admissible.
+      chosen: (i, j) of the executed candidate; None where none is admissible.
+      command: (v, w) executed (m/s, rad/s).
+    """
+
+    v: np.ndarray
+    w: np.ndarray
+    end: np.ndarray
+    paths: np.ndarray
+    clearance: np.ndarray
+    admissible: np.ndarray
+    score: np.ndarray
+    chosen: tuple[int, int] | None
+    command: tuple[float, float]
+
+
+def navigate_dwa(
+    obstacles: Any,
+    starts: Any,
+    goals: Any,
+    *,
+    params: DwaParams | None = None,
+    static: DwaStatic | None = None,
+    valid: Any = None,
+    record: bool = False,
+    sensing_range: float | None = None,
+    max_lanes: int = MOST_LANES,
+) -> NavigateResult:
+    """Sail B episodes from start to goal under the dynamic window approach.
+
+    Source: Tan et al. 2022, Eqs. 1 to 6 and section 3; readings in docs/equations.md. Runs on
+    all devices, or on that of an enclosing `jax.default_device`. An episode's result does not
+    depend on the others, their number or the devices.
+
+    Args:
+      obstacles: float[B, K, 2] centres (m), or float[K, 2] shared; rows that are masked, or
+        farther than 500 km, are padding. Or a `GridMap` shared by all: every blocked cell on
+        the shoreline is an obstacle, and `params.radius` must cover a cell. The map's edge is
+        no obstacle: a vessel may leave, and then senses what is near the edge cell beside it.
+      starts: float[B, 3], x (m), y (m), psi (rad), at rest; or float[3].
+      goals: float[B, 2] (m); or float[2], shared. Coordinates stay below 200 km (single
+        precision): subtract a local origin from UTM coordinates.
+      params: defaults to Tan's Table 1. A leaf may be float[B], one value per episode.
+      static: choices of method; its n_v and n_w must hold the window of `params`.
+      valid: bool[B, K] (or bool[K]), False masks an obstacle.
+      record: also return the trajectories; memory grows with B times `static.max_steps`.
+      sensing_range: (m) with a `GridMap`, how far off shore is seen; by default as far as the
+        prediction reaches, plus braking and the radius; wanted where these differ between
+        episodes.
+      max_lanes: most episodes under way at once on a device, at least 16, which fill the
+        processor's vectors; for measurements.
+
+    Returns:
+      The outcomes, in the order of `starts`.
+
+    Raises:
+      BadTypeError: an argument of the wrong type or dtype.
+      BadInputError: a wrong shape, NaN or infinity, impossible parameters, or a start inside
+        an obstacle; the message names the argument and the first bad row.
+    """
+    params = DwaParams() if params is None else params
+    static = DwaStatic() if static is None else static
+    max_lanes = whole_number("max_lanes", max_lanes, LEAST_LANES)
+    scene = set_scene(obstacles, starts, goals, valid, params, static, sensing_range)
+    return _sail(scene, params, static, record, max_lanes)
+
+
+def dwa_candidates(
+    obstacles: Any,
+    state: Any,
+    goal: Any,
+    *,
+    params: DwaParams | None = None,
+    static: DwaStatic | None = None,
+) -> DwaCandidates:
+    """Open up one decision: what each command of the window leads to and how it scores.
+
+    Args:
+      obstacles: float[K, 2], centres (m).
+      state: float[5], x (m), y (m), psi (rad), v (m/s), w (rad/s).
+      goal: float[2] (m). Coordinates stay below 200 km, as of `navigate_dwa`.
+      params: defaults to Tan's Table 1; scalars.
+      static: choices of method.
+
+    Raises:
+      BadTypeError, BadInputError: as `navigate_dwa`.
+    """
+    params = DwaParams() if params is None else params
+    static = DwaStatic() if static is None else static
+    check_dwa(params, static)
+    points = float_array("obstacles", obstacles, (None, 2))
+    now = float_array("state", state, (5,))
+    target = float_array("goal", goal, (2,))
+    for name, point in (("state", now[:2]), ("goal", target)):
+        refuse_remote(name, point[None])
+    motion = window.Motion(jnp.asarray(now[:, None], jnp.float32))
+    centres = jnp.asarray(padded(points[None])[0])[:, :, None]
+    found, paths, (row, column, any_admissible), command = _open_up(
+        params, static, motion, centres, jnp.asarray(target[:, None], jnp.float32)
+    )
+    return DwaCandidates(
+        v=np.asarray(found.v[:, 0]),
+        w=np.asarray(found.w[:, 0]),
+        end=np.stack([found.end_x[..., 0], found.end_y[..., 0]], -1),
+        paths=np.asarray(paths[..., 0, :]),
+        clearance=np.asarray(found.clearance[..., 0]),
+        admissible=np.asarray(found.admissible[..., 0]),
+        score=np.asarray(found.score[..., 0]),
+        chosen=(int(row[0]), int(column[0])) if bool(any_admissible[0]) else None,
+        command=(float(command[0][0]), float(command[1][0])),
+    )
+
+
+@partial(jax.jit, static_argnames="static")
+def _open_up(
+    params: DwaParams,
+    static: DwaStatic,
+    motion: window.Motion,
+    obstacles: jax.Array,
+    goal: jax.Array,
+) -> tuple[candidates.Candidates, jax.Array, candidates.Choice, candidates.Command]:
+    found = candidates.candidates(params, static, motion, obstacles, goal)
+    paths = window.predicted_paths(params, static, motion)
+    command = candidates.decide(params, static, motion, obstacles, goal)
+    return found, paths, candidates.choose(found), command
+
+
+def _sail(
+    scene: Scene,
+    params: DwaParams,
+    static: DwaStatic,
+    record: bool,
+    max_lanes: int,
+) -> NavigateResult:
+    devices = chosen_devices()
+    blocks = _dealt(scene.expected_steps(params), len(devices), MOST_LANES if record else MOST_ROWS)
+    capacity = max(LEAST_LANES, 1 << (len(blocks[0]) - 1).bit_length())
+    width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
+
+    swept = tuple(name for name, value in vars(params).items() if np.ndim(value))
+    charted = scene.chart is not None
+    program = (record, static, swept, charted, scene.sensed_shape, capacity, width)
+
+    def begin(rows: np.ndarray, device: jax.Device) -> tuple[Any, ...]:
+        # Rows past the last one repeat it: shapes stay those that are compiled already.
+        padded = rows[np.minimum(np.arange(capacity), len(rows) - 1)]
+        jobs, own = scene.rows(padded), _params_of(params, padded)
+        if record:
+            return _on(device, program, _record, jobs, own, static=static)
+        count = np.int32(len(rows))
+        return _on(device, program, _run, jobs, own, count, static=static, width=width)
+
+    def work(rows: np.ndarray, device: jax.Device) -> tuple[Any, ...]:
+        return _on_host(begin(rows, device))
+
+    used = devices[: len(blocks)]
+    if len(blocks) == len(used) and all((*program, device) in _compiled for device in used):
+        # A device works while the next one's block begins: no threads that start, and wait for
+        # the interpreter, which takes 3 ms of a call.
+        results = list(map(_on_host, list(map(begin, blocks, used))))
+    else:
+        results = list(share_out(work, blocks, devices))
+    return _collect(results, blocks, scene, params, static)
+
+
+def _on(
+    device: jax.Device, program: tuple[Any, ...], kernel: Any, *arrays: Any, **static: Any
+) -> tuple[Any, ...]:
+    """Run a jitted kernel on a device; numpy arrays go there with the call, not before it."""
+    key = (*program, device)
+    if key not in _compiled:
+        there = partial(_shape_on, SingleDeviceSharding(device))
+        with _tracing:  # the first device traces for all
+            traced = kernel.trace(*jax.tree.map(there, arrays), **static)
+        _compiled[key] = traced.lower().compile()
+    return _compiled[key](*arrays)
+
+
+def _shape_on(device: SingleDeviceSharding, array: Any) -> jax.ShapeDtypeStruct:
+    return jax.ShapeDtypeStruct(array.shape, array.dtype, sharding=device)
+
+
+def _on_host(found: tuple[Any, ...]) -> tuple[Any, ...]:
+    return jax.tree.map(np.asarray, found)
+
+
+def _dealt(steps: np.ndarray, devices: int, most: int) -> list[np.ndarray]:
+    """Rows in blocks of at most `most`, as many for each device, all alike and longest first.
+
+    Work that is long and starts late is what a device ends with, in lanes of which most idle.
+    """
+    longest_first = np.argsort(-steps, kind="stable")
+    per_device = -(-len(steps) // (most * devices))
+    blocks = min(len(steps), per_device * devices)
+    return [longest_first[block::blocks] for block in range(blocks)]
+
+
+def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
+    values = {f.name: np.asarray(getattr(params, f.name), np.float32) for f in fields(params)}
+    chosen: dict[str, Any] = {name: v[rows] if v.ndim else v for name, v in values.items()}
+    return DwaParams(**chosen)
+
+
+@partial(jax.jit, static_argnames=("static", "width"), compiler_options=OPTIONS)
+def _run(
+    jobs: Jobs, params: DwaParams, count: jax.Array, *, static: DwaStatic, width: int
+) -> tuple[Outcome, lanes.Usage]:
+    return lanes.run(
+        episodes.program(jobs, params, static),
+        count,
+        capacity=jobs.start.shape[0],
+        lanes=width,
+        chunk=CHUNK,
+        max_steps=static.max_steps,
+    )
+
+
+@partial(jax.jit, static_argnames="static", compiler_options=OPTIONS)
+def _record(
+    jobs: Jobs, params: DwaParams, *, static: DwaStatic
+) -> tuple[Outcome, lanes.Usage, jax.Array]:
+    rows = jobs.start.shape[0]
+    outcome, seen = lanes.record(
+        episodes.program(jobs, params, static),
+        jnp.arange(rows, dtype=jnp.int32),
+        static.max_steps,
+        episodes.observe,
+    )
+    usage = lanes.Usage(
+        busy=jnp.sum(outcome.steps, dtype=jnp.float32),
+        total=jnp.float32(rows * static.max_steps),
+    )
+    return outcome, usage, jnp.moveaxis(seen, 2, 0)
+
+
+def _collect(
+    results: list[tuple[Any, ...]],
+    blocks: list[np.ndarray],
+    scene: Scene,
+    params: DwaParams,
+    static: DwaStatic,
+) -> NavigateResult:
+    place = np.argsort(np.concatenate(blocks))  # of each episode among the results
+
+    def joined(parts: list[Any]) -> np.ndarray:
+        pairs = zip(parts, blocks, strict=True)
+        return np.concatenate([part[: len(rows)] for part, rows in pairs])[place]
+
+    ends: list[Outcome] = [found[0] for found in results]
+    usage: list[lanes.Usage] = [found[1] for found in results]
+    steps = joined([end.steps for end in ends])
+    length = joined([end.path_length for end in ends])
+    time = (steps * np.asarray(params.dt, np.float64)).astype(np.float32)
+    speed = np.divide(length, time, out=np.zeros_like(length), where=time > 0)
+    trajectory = None
+    if len(results[0]) > 2:
+        most = int(steps.max()) + 1
+        trajectory = joined([found[2][:, :most] for found in results])
+        if scene.origin.any():
+            trajectory = trajectory.astype(np.float64)
+            trajectory[..., :2] += scene.origin
+    return NavigateResult(
+        status=joined([end.status for end in ends]),
+        time=time,
+        path_length=length,
+        mean_speed=speed,
+        min_clearance=joined([end.min_clearance for end in ends]),
+        steps=steps,
+        trajectory=trajectory,
+        occupancy=sum(float(u.busy) for u in usage) / sum(float(u.total) for u in usage),
+    )

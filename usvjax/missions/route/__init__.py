@@ -1,0 +1,1 @@
+"""Routes on grids: searches, and what is done to their paths."""

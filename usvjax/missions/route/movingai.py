@@ -1,0 +1,144 @@
+"""Queries of the MovingAI benchmark: starts, goals and published optima from a scenario file.
+
+A scenario file (``.scen``) has one query a line: bucket, map, width, height, start x and y, goal
+x and y, length of the shortest route (Sturtevant, Benchmarks for Grid-Based Pathfinding, 2012).
+Its lengths are in cells, 8-connected, a diagonal step only where both side cells are free.
+"""
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import jax
+import numpy as np
+
+from usvjax.errors import BadInputError
+from usvjax.maps import GridMap, load_map
+from usvjax.maps.disk import read_bytes
+from usvjax.maps.tables import OnChart
+from usvjax.missions.route.scenes import Queries
+
+_FIELDS = 9
+
+
+@dataclass(frozen=True)
+class ScenarioQueries:
+    """The queries of a MovingAI scenario file, in an order drawn from the seed.
+
+    The file sorts them by length, so a study of its first hundred lines would be one of the
+    shortest; job j of a study is the j-th of a random order of all lines instead.
+
+    Attributes:
+        scen: the scenario file.
+        map: the map file; by default the one that the scenario file names, beside it.
+        cell_size: m.
+    """
+
+    scen: str
+    map: str | None = None
+    cell_size: float = 1.0
+
+
+@dataclass(frozen=True)
+class Benchmark(OnChart):
+    """The queries of a `ScenarioQueries`.
+
+    Attributes:
+        chart: the map.
+        spec: the `[maps]` table.
+        starts, goals: int32[N, 2], cells (x, y).
+        published: float64[N], cells.
+    """
+
+    chart: GridMap
+    spec: ScenarioQueries
+    starts: np.ndarray = field(repr=False, compare=False)
+    goals: np.ndarray = field(repr=False, compare=False)
+    published: np.ndarray = field(repr=False, compare=False)
+
+    @property
+    def most_jobs(self) -> int:
+        """How many queries the file has."""
+        return len(self.starts)
+
+    def check(self, where: str) -> None:
+        """Raise BadInputError when a query starts or ends off the map or on a blocked cell."""
+        height, width = self.chart.shape
+        for name, cells in (("start", self.starts), ("goal", self.goals)):
+            outside = ((cells < 0) | (cells >= (width, height))).any(axis=1)
+            x, y = np.where(outside, 0, cells.T)
+            bad = outside | self.chart.blocked[y, x]
+            if bad.any():
+                row = int(bad.argmax())
+                raise BadInputError(
+                    f"{where}: {self.spec.scen} line {row + 2}: the {name} {cells[row].tolist()} "
+                    f"is no free cell of the map of {width} x {height} cells"
+                )
+
+    def draw(self, seed: int, jobs: np.ndarray) -> Queries:
+        """Return the queries of int64[J] jobs."""
+        numbers = jax.random.bits(jax.random.key(seed), (len(self.starts),), np.uint32)
+        rows = np.argsort(np.asarray(numbers), kind="stable")[jobs]
+        grid = self.chart.blocked
+        return Queries(grid, grid, self.starts[rows], self.goals[rows], self.published[rows])
+
+
+def read_benchmark(spec: ScenarioQueries, folder: Path, where: str) -> Benchmark:
+    """Read a scenario file and its map.
+
+    Args:
+        spec: the `[maps]` table.
+        folder: what relative paths are relative to.
+        where: the study file and table, for the messages.
+
+    Raises:
+        BadInputError: a file is missing or malformed, or they do not belong together.
+    """
+    if not 0.0 < spec.cell_size < math.inf:
+        raise BadInputError(f"{where}: 'cell_size' must be above 0, got {spec.cell_size:g}")
+    path = folder / spec.scen
+    rows = _rows(path, where)
+    named = path.parent / Path(rows[0][1]).name
+    chart = load_map(folder / spec.map if spec.map else named, cell_size=spec.cell_size)
+    height, width = chart.shape
+    table = np.asarray(
+        [
+            _query(row, (width, height), f"{where}: {path} line {line}")
+            for line, row in enumerate(rows, start=2)
+        ]
+    )
+    starts, goals = table[:, :2].astype(np.int32), table[:, 2:4].astype(np.int32)
+    return Benchmark(chart, spec, starts, goals, table[:, 4])
+
+
+def _query(row: list[str], size: tuple[int, int], where: str) -> tuple[float, ...]:
+    """Start x and y, goal x and y, length of one line."""
+    try:
+        width, height, *ends = (int(word) for word in row[2:8])
+        length = float(row[8])
+    except ValueError:
+        raise BadInputError(f"{where} is no query: {' '.join(row)!r}") from None
+    if (width, height) != size:
+        raise BadInputError(
+            f"{where} is for a map of {width} x {height} cells, the map has {size[0]} x {size[1]}"
+        )
+    if not 0.0 <= length < math.inf:
+        raise BadInputError(f"{where}: the length is {length}; wanted 0 or more")
+    return (*ends, length)
+
+
+def _rows(path: Path, where: str) -> list[list[str]]:
+    """The words of every line of a scenario file after its first."""
+    lines = read_bytes(path).decode(errors="replace").rstrip().splitlines()
+    rows = [line.split() for line in lines[1:]]
+    if not lines or not lines[0].startswith("version"):
+        raise BadInputError(f"{where}: {path} is no MovingAI scenario file: no 'version' in line 1")
+    if not rows:
+        raise BadInputError(f"{where}: {path} holds no query")
+    for line, row in enumerate(rows, start=2):
+        if len(row) != _FIELDS:
+            raise BadInputError(
+                f"{where}: {path} line {line} has {len(row)} fields; wanted bucket, map, width, "
+                "height, start x, start y, goal x, goal y, length"
+            )
+    return rows
