@@ -76,7 +76,7 @@ def _entries() -> dict[str, Callable[[], Any]]:
 
 
 def _on_lake() -> None:
-    lake = load_spec(STUDIES / "hongze.toml").conditions[0].payload
+    lake = load_spec(STUDIES / "hongze.toml").conditions[0].case.given
     drawn = lake.source.draw(0, np.arange(32), lake.params.radius)
     static = replace(lake.static, max_steps=64)
     navigate_dwa(drawn.obstacles, drawn.starts, drawn.goals, params=lake.params, static=static)

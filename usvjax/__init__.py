@@ -8,6 +8,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from usvjax.devices import use_all_cores
+from usvjax.registry import register_mission, register_own
 
 if TYPE_CHECKING:
     from usvjax.errors import BadInputError, BadTypeError
@@ -96,6 +97,7 @@ __all__ = [
     "preset",
     "random_maps",
     "redensify",
+    "register_mission",
     "run_study",
     "save_map",
     "shorten",
@@ -166,16 +168,27 @@ _HOME = {
     "usvkernels.status": ("Status",),
 }
 
+_MISSIONS = {
+    "dwa": "usvjax.missions.dwa.mission:MISSION",
+    "route": "usvjax.missions.route.mission:MISSION",
+    "cruise": "usvjax.missions.cruise.mission:MISSION",
+}
+
 use_all_cores()
+register_own(_MISSIONS)
+
+
+def home_of(name: str) -> str:
+    """The module where what `usvjax` exports under a name stands; "" for no such name."""
+    return next((module for module, names in _HOME.items() if name in names), "")
 
 
 def __getattr__(name: str) -> Any:
-    for module, names in _HOME.items():
-        if name in names:
-            value = getattr(importlib.import_module(module), name)
-            globals()[name] = value
-            return value
-    raise AttributeError(f"module 'usvjax' has no attribute {name!r}")
+    if not (module := home_of(name)):
+        raise AttributeError(f"module 'usvjax' has no attribute {name!r}")
+    value = getattr(importlib.import_module(module), name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -1,29 +1,23 @@
-"""What a kind of study must offer: the contract between the study machinery and a mission.
+"""What a mission is: the contract between missions and the engines.
 
-A workload turns (condition, method, jobs) into one row of numbers per job. It must be a
-pure function of those three and the seed: job j's row may not depend on which other jobs
-share its call, on the device, or on the order, because a study is cut into shards that
-run anywhere and in any order and are resumed at any time.
+A mission turns a study's tables into cases, draws the scenes of some jobs, runs a method on
+them, and draws what came out. Studies, resuming, replays, animations and exports know a mission
+by this contract only, and no mission by name. `pose` and `run` must be pure: job j's scene and
+row may not depend on which other jobs share the call, on the device, or on the order, because
+a study is cut into shards that run anywhere, in any order, and are resumed at any time. Whatever
+a method returns or is given crosses to other processes, so it must pickle.
 """
 
-import importlib
-import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 
-from usvjax.errors import BadInputError
-from usvjax.sections import Sections
-from usvjax.suggest import did_you_mean
-
-if TYPE_CHECKING:
-    from usvjax.study.spec import Condition, StudySpec
-
-Posed = TypeVar("Posed")
+from usvjax.maps import GridMap
+from usvjax.sections import Table
 
 
 @dataclass(frozen=True)
@@ -49,54 +43,173 @@ class Metric:
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """One condition, checked and ready to run.
+class Files:
+    """Where the tables of a study come from.
 
     Attributes:
-        settings: every setting in force by section, defaults filled in; JSON-able.
+        folder: what relative paths in them are relative to.
+        where: the study file, for messages.
+    """
+
+    folder: Path = field(default_factory=Path)
+    where: str = "the study"
+
+    def table(self, name: str) -> str:
+        """What messages call a table."""
+        return f"{self.where}: [{name}]"
+
+
+@dataclass(frozen=True)
+class Case:
+    """One condition, checked and ready to be posed.
+
+    Attributes:
+        settings: every setting in force by table, defaults filled in; JSON-able.
         inputs: SHA-256 of each file that the condition reads, by the name in the study.
-        payload: what the workload's own `run` needs; opaque to the study machinery.
+        given: what the mission's own `pose` needs; opaque to the engines.
         most_jobs: how many episodes there can be, where a file limits them.
         refusals: by method, why it cannot be run under these settings.
     """
 
     settings: dict[str, dict[str, Any]]
     inputs: dict[str, str]
-    payload: Any
+    given: Any = field(repr=False, compare=False)
     most_jobs: int | None = None
     refusals: Mapping[str, str] = field(default_factory=dict)
 
 
-class Workload(Protocol):
-    """A kind of study.
+@dataclass(frozen=True)
+class Ground:
+    """Where an episode took place.
 
     Attributes:
-        sections: TOML tables that it reads, such as "maps" or "params", and the keys that each
-            may hold under some setting; only the hints about unknown keys rest on the latter.
-        methods: methods that it can run, in the order of the default table.
-        metrics: columns of its results, besides job, condition, method and status.
-        endings: the codes that the status column may hold, in the order of the tables.
-        success: the code that counts as success.
+        grid: the map, or None.
+        circles: float64[K, 2], centres of round obstacles, m.
+        radius: of the circles, m.
+        marks: places to mark by what they are, float64[N, 2] each, m.
     """
 
-    sections: Sections
-    methods: tuple[str, ...]
+    grid: GridMap | None
+    circles: np.ndarray
+    radius: float
+    marks: Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where the vessels of an episode were.
+
+    Attributes:
+        along: float64[T], when, never falling.
+        unit: of `along`: "s", or "m" of a way that nobody sails yet.
+        places: float64[T, n, 2], x, y of each vessel, m.
+    """
+
+    along: np.ndarray
+    unit: str
+    places: np.ndarray
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What a replay needs of some jobs, in their order.
+
+    Attributes:
+        grounds: where each took place.
+        tracks: where its vessels were.
+        detail: what the mission's own figures need besides; opaque to the engines.
+    """
+
+    grounds: tuple[Ground, ...]
+    tracks: tuple[Track, ...]
+    detail: Any
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of some jobs.
+
+    Attributes:
+        columns: "status" and every metric's name -> array[J], in the order of the jobs.
+        recording: where it was asked for.
+    """
+
+    columns: Mapping[str, np.ndarray]
+    recording: Recording | None = None
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """Episodes of a run, had back.
+
+    Attributes:
+        label: condition and method in words.
+        jobs: int64[J].
+        method: of the mission.
+        case: the condition.
+        scene: what `pose` made of it.
+        columns: as in `Outcome`.
+        recording: what was recorded.
+    """
+
+    label: str
+    jobs: np.ndarray
+    method: str
+    case: Case
+    scene: Any
+    columns: Mapping[str, np.ndarray]
+    recording: Recording
+
+
+class Replay(Protocol):
+    """Has episodes of a run back; given to `Mission.figures`."""
+
+    @property
+    def examples(self) -> int:
+        """Conditions, from the first, of which episodes may be had back."""
+        ...
+
+    @property
+    def most(self) -> int:
+        """Episodes that one figure may show."""
+        ...
+
+    def __call__(self, condition: int, method: str, jobs: Sequence[int]) -> Replayed:
+        """Run episodes again, recording them.
+
+        Raises:
+            BadInputError: a file is missing or has changed, or an episode went otherwise than
+                the run says.
+        """
+        ...
+
+    def example(self, condition: int) -> tuple[int, str]:
+        """The episode that stands for a condition, and why; see `Mission.example`."""
+        ...
+
+
+class Mission(Protocol):
+    """A mission, which is what a study calls its kind.
+
+    Attributes:
+        tables: tables of a study file by name, beside those that every study has.
+        methods: what can be compared, with words for each; in the order of the default table.
+        metrics: columns of its results, besides job, condition, method and status.
+        endings: the codes that the status column may hold, in the order of the tables; the
+            first is success.
+    """
+
+    tables: Mapping[str, Table]
+    methods: Mapping[str, str]
     metrics: tuple[Metric, ...]
     endings: tuple[IntEnum, ...]
-    success: IntEnum
 
-    def prepare(
-        self, settings: Mapping[str, Mapping[str, Any]], folder: Path, where: str
-    ) -> Prepared:
-        """Check one condition's settings and build what `run` needs.
+    def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
+        """Check one condition.
 
         Args:
-            settings: the TOML tables by section.
-            folder: what relative paths in the settings are relative to.
-            where: the study file, for messages.
-
-        Returns:
-            The condition, ready to run.
+            tables: of the study file, by name; empty where the file has none.
+            files: where they come from.
 
         Raises:
             BadInputError: a key or value cannot be used.
@@ -104,80 +217,54 @@ class Workload(Protocol):
         """
         ...
 
-    def run(
-        self, spec: "StudySpec", condition: "Condition", method: str, jobs: np.ndarray
-    ) -> dict[str, np.ndarray]:
-        """Run one method on some jobs of one condition.
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> Any:
+        """Draw the scenes that all methods meet; a pure function of each job.
 
         Args:
-            spec: the study; only its seed may influence the result.
-            condition: one of `spec.conditions`.
-            method: one of `spec.methods`.
+            case: of this mission.
+            seed: of the study.
             jobs: int64[J], job numbers.
 
         Returns:
-            "status" and every metric's name -> array[J], in the order of `jobs`.
+            The scenes, for `run`; opaque to the engines.
         """
         ...
 
-
-class LastShard(Generic[Posed]):
-    """What the methods of a shard share; they follow one another on one thread."""
-
-    def __init__(self) -> None:
-        self._last = threading.local()
-
-    def get(self, given: Any, seed: int, jobs: np.ndarray, pose: Callable[[], Posed]) -> Posed:
-        """What was posed last on this thread, if for the same; else pose it.
+    def run(self, scene: Any, method: str, record: bool = False) -> Outcome:
+        """Run one method.
 
         Args:
-            given: the payload of a condition.
-            seed: of the study.
-            jobs: int64[J].
-            pose: draws what the methods share.
+            scene: what `pose` returned.
+            method: one of `methods`.
+            record: whether a recording is wanted.
         """
-        key = (id(given), seed, jobs.tobytes())
-        if getattr(self._last, "key", None) != key:
-            self._last.posed = pose()
-            # The condition is kept as well, so that its id stays its own.
-            self._last.key, self._last.given = key, given
-        posed: Posed = self._last.posed
-        return posed
+        ...
 
+    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
+        """Choose the episode that stands for a condition, by a rule rather than by eye.
 
-# Import paths, not classes: a kind is imported when a study asks for it.
-_KINDS = {
-    "dwa": "usvjax.missions.dwa.mission:DwaWorkload",
-    "route": "usvjax.missions.route.mission:RouteWorkload",
-    "cruise": "usvjax.missions.cruise.mission:CruiseWorkload",
-}
+        Args:
+            rows: polars.DataFrame, all rows of the condition.
+            methods: of the run, the baseline first.
 
+        Returns:
+            The job, and why it was chosen.
+        """
+        ...
 
-def register_kind(kind: str, path: str) -> None:
-    """Make a kind of study known under a name.
+    def figures(self, run: Any, replay: Replay) -> Iterator[tuple[str, Any]]:
+        """Draw a run; matplotlib is loaded here and not before.
 
-    Args:
-        kind: the `kind` of a study file.
-        path: "package.module:Class", a `Workload` without constructor arguments.
-    """
-    _KINDS[kind] = path
+        Args:
+            run: `usvjax.study.Run`.
+            replay: has episodes of it back.
 
+        Yields:
+            Name of a file without suffix, and a matplotlib Figure or a polars.DataFrame; the
+            cheap ones first.
+        """
+        ...
 
-def get_workload(kind: str, where: str = "the study") -> Workload:
-    """Import and build the workload of a kind of study.
-
-    Args:
-        kind: the `kind` of a study file.
-        where: the study file, for the message.
-
-    Returns:
-        The workload.
-
-    Raises:
-        BadInputError: no such kind; names the nearest.
-    """
-    if kind not in _KINDS:
-        raise BadInputError(f"{where}: unknown kind {kind!r}; {did_you_mean(kind, _KINDS)}")
-    module, _, name = _KINDS[kind].partition(":")
-    workload: Workload = getattr(importlib.import_module(module), name)()
-    return workload
+    def film(self, replayed: Replayed, row: int) -> Any:
+        """One of the episodes as `usvjax.plots.film.Film`."""
+        ...

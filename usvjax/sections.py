@@ -1,14 +1,49 @@
-"""Which keys stand in which section of a study's file, and what a misplaced one may have meant."""
+"""Which keys stand in which table of a study's file, and what a misplaced one may have meant."""
 
 import difflib
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from usvjax.errors import BadInputError
 from usvjax.suggest import did_you_mean
+from usvjax.tables import field_names
 
 Sections = Mapping[str, tuple[str, ...]]
-"""By section, the keys that it may hold."""
+"""By table, the keys that it may hold under some setting."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of a study file.
+
+    Attributes:
+        about: what it is for; one line.
+        kinds: dataclass of its keys, by what `choice` may be; under "" where nothing is chosen.
+            The docstring's "Attributes:" says of every field what it means.
+        choice: the key that chooses among `kinds`, such as "source", or "".
+        default: what is chosen where that key is missing.
+        extra: keys that are no field, and what each means.
+        without: fields that are no key.
+    """
+
+    about: str
+    kinds: Mapping[str, type]
+    choice: str = ""
+    default: str = ""
+    extra: Mapping[str, str] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All keys that it may hold under some setting."""
+        names = (n for n in field_names(*self.kinds.values()) if n not in self.without)
+        return (*filter(None, (self.choice,)), *self.extra, *names)
+
+
+def sections_of(tables: Mapping[str, Table]) -> Sections:
+    """The keys of some tables."""
+    return {name: table.keys for name, table in tables.items()}
 
 
 def check_top_keys(
@@ -49,7 +84,7 @@ def check_homes(
     sections: Sections,
     where: str,
 ) -> None:
-    """Refuse keys that stand in another section than their own; the workload sees to the rest.
+    """Refuse keys that stand in another section than their own; the mission sees to the rest.
 
     Raises:
         BadInputError: naming the key and its section.

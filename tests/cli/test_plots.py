@@ -11,8 +11,10 @@ from PIL import Image
 from usvjax.cli import main
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, save_map
-from usvjax.missions.dwa.figures import figures_for_run, typical_job
-from usvjax.study import load_run, load_spec, parse_spec, replays, run_study
+from usvjax.missions.dwa.figures import decide_of, typical_job
+from usvjax.study import load_run, load_spec, parse_spec, run_study
+from usvjax.study.figures import figures_for_run
+from usvjax.study.replay import Replay
 from usvkernels.status import Status
 
 # Few obstacles and a short prediction, which is what compiling takes its time over.
@@ -90,50 +92,53 @@ def copy_of(run, tmp_path):
 
 def test_a_replay_is_the_episode_of_the_table(lattice_run):
     run = load_run(lattice_run)
-    table = run.table()
-    found = replays.replay(run, table, 1, "improved", [9, 2])
-    mine = table.filter((pl.col("condition") == 1) & (pl.col("method") == "improved"))
+    found = Replay(run)(1, "improved", [9, 2])
+    mine = run.table().filter((pl.col("condition") == 1) & (pl.col("method") == "improved"))
     for row, job in enumerate([9, 2]):
         (expected,) = mine.filter(pl.col("job") == job).iter_rows(named=True)
-        outcome = found.outcome(row)
-        assert outcome.status == expected["status"]
-        assert outcome.time == expected["time"]
-        assert outcome.path_length == pytest.approx(expected["path_length"], rel=1e-6)
-        track = found.trajectories[row, : expected["steps"] + 1]
-        sailed = np.hypot(*np.diff(track[:, :2], axis=0).T).sum()
+        assert found.columns["status"][row] == expected["status"]
+        assert found.columns["time"][row] == expected["time"]
+        assert found.columns["path_length"][row] == pytest.approx(expected["path_length"], rel=1e-6)
+        track, ground = found.recording.tracks[row], found.recording.grounds[row]
+        assert len(track.places) == len(track.along) == expected["steps"] + 1
+        assert track.along[-1] == pytest.approx(expected["time"])
+        sailed = np.hypot(*np.diff(track.places[:, 0], axis=0).T).sum()
         assert sailed == pytest.approx(expected["path_length"], rel=1e-3)
-        gaps = track[:, None, :2] - found.circles(row)
-        clearance = np.hypot(*np.moveaxis(gaps, -1, 0)).min() - 0.3
+        gaps = track.places - ground.circles
+        clearance = np.hypot(*np.moveaxis(gaps, -1, 0)).min() - ground.radius
         assert clearance == pytest.approx(expected["min_clearance"], abs=1e-4)
 
 
 def test_the_fan_of_a_replay_chooses_what_was_executed(lattice_run):
-    found = replays.replay(load_run(lattice_run), load_run(lattice_run).table(), 0, "improved", [1])
-    decide = found.decide(0)
+    found = Replay(load_run(lattice_run))(0, "improved", [1])
+    decide, states = decide_of(found, 0), found.recording.detail.trajectory[0]
     for step in (0, 3, 10):
-        state, after = found.trajectories[0, step], found.trajectories[0, step + 1]
+        state, after = states[step], states[step + 1]
         np.testing.assert_allclose(decide(state).command, after[3:], atol=1e-5)
 
 
 def test_the_fan_on_a_chart_knows_the_shore_that_the_vessel_sensed(lake_run):
-    run = load_run(lake_run)
-    found = replays.replay(run, run.table(), 0, "improved", [4], folder=lake_run.parent.parent)
-    assert found.grid_map is not None
-    decide = found.decide(0)
-    last = int(found.result.steps[0]) - 1
+    found = Replay(load_run(lake_run), lake_run.parent.parent)(0, "improved", [4])
+    assert found.recording.grounds[0].grid is not None
+    decide, states = decide_of(found, 0), found.recording.detail.trajectory[0]
+    last = int(found.columns["steps"][0]) - 1
     for step in (0, last // 2, last):
-        state, after = found.trajectories[0, step], found.trajectories[0, step + 1]
+        state, after = states[step], states[step + 1]
         opened = decide(state)
         np.testing.assert_allclose(opened.command, after[3:], atol=1e-5)
         np.testing.assert_allclose(opened.paths[..., 0, :] - state[:2], 0.0, atol=1e-5)
         assert np.abs(opened.end - state[:2]).max() < 2.0
 
 
-def test_a_run_of_other_code_is_not_passed_off_as_the_table(lattice_run):
-    run = load_run(lattice_run)
-    table = run.table().with_columns(steps=pl.col("steps") + 1)
+@pytest.mark.parametrize(("column", "change"), [("steps", 1), ("path_length", 0.01)])
+def test_a_run_of_other_code_is_not_passed_off_as_the_table(lattice_run, tmp_path, column, change):
+    run = copy_of(lattice_run, tmp_path)
+    for shard in (run / "shards").glob("*.parquet"):
+        table = pl.read_parquet(shard)
+        dtype = table.schema[column]
+        table.with_columns((pl.col(column) + change).cast(dtype)).write_parquet(shard)
     with pytest.raises(BadInputError, match=r"episode 5 goes otherwise here .* made with usvjax"):
-        replays.replay(run, table, 0, "improved", [5])
+        Replay(load_run(run))(0, "improved", [5])
 
 
 @pytest.mark.parametrize(
@@ -146,18 +151,17 @@ def test_a_run_of_other_code_is_not_passed_off_as_the_table(lattice_run):
     ],
 )
 def test_a_replay_refuses(lattice_run, condition, method, job, message):
-    run = load_run(lattice_run)
     with pytest.raises(BadInputError, match=message):
-        replays.replay(run, run.table(), condition, method, [job])
+        Replay(load_run(lattice_run))(condition, method, [job])
 
 
 def test_a_map_that_is_missing_or_changed_is_said(lake_run, tmp_path):
     run = load_run(lake_run)
     with pytest.raises(BadInputError, match=r"pond\.map"):
-        replays.replay(run, run.table(), 0, "improved", [0], folder=tmp_path)
+        Replay(run, tmp_path)(0, "improved", [0])
     save_map(GridMap(np.zeros((14, 18), bool)), tmp_path / "pond.map")
     with pytest.raises(BadInputError, match=r"pond\.map is not the one that .* was made with"):
-        replays.replay(run, run.table(), 0, "improved", [0], folder=tmp_path)
+        Replay(run, tmp_path)(0, "improved", [0])
 
 
 # --- choosing the example ---------------------------------------------------------------------
@@ -236,7 +240,7 @@ def test_a_study_plots_a_map_beside_it_from_anywhere(lake_run, tmp_path, monkeyp
 
 def test_figures_without_examples_need_no_simulation(lattice_run, tmp_path, monkeypatch):
     run = copy_of(lattice_run, tmp_path)
-    monkeypatch.setattr("usvjax.missions.dwa.figures.replay", None)
+    monkeypatch.setattr(Replay, "__call__", None)
     told = []
     written = figures_for_run(run, max_examples=0, on_written=told.append)
     assert [path.name for path in written] == ["success.png", "distributions.png"]
@@ -277,13 +281,13 @@ def test_animate_takes_the_example_by_default(lattice_run, tmp_path, capsys):
     monkey = ["animate", str(lattice_run), *arguments, "--max-frames", "2"]
     with pytest.MonkeyPatch.context() as patch:
         jobs = []
-        real = replays.replay
+        real = Replay.__call__
 
-        def spy(run, rows, condition, method, numbers, **rest):
+        def spy(self, condition, method, numbers):
             jobs.append((condition, method, numbers))
-            return real(run, rows, condition, method, numbers, **rest)
+            return real(self, condition, method, numbers)
 
-        patch.setattr("usvjax.study.replays.replay", spy)
+        patch.setattr(Replay, "__call__", spy)
         assert main(monkey) == 0
     assert jobs == [(1, "traditional", [job])]
     assert out.exists()

@@ -1,16 +1,19 @@
-"""A workload without simulation, for the tests of the study machinery."""
+"""A mission without simulation, for the tests of the study machinery."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
-from enum import IntEnum
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from usvjax.mission import Metric, Prepared, get_workload, register_kind
-from usvjax.tables import field_names, read_table
+from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Track
+from usvjax.registry import register_mission
+from usvjax.sections import Table
+from usvjax.study.spec import StudySpec
+from usvjax.tables import read_table
 from usvkernels.status import EPISODE_ENDINGS, Status
 
 KIND = "toy"
@@ -37,47 +40,79 @@ def toy_uniforms(seed: int, jobs: np.ndarray, stream: int) -> np.ndarray:
     return (x ^ (x >> np.uint64(31))).astype(np.float64) / 2.0**64
 
 
-class ToyWorkload:
-    sections: Mapping[str, tuple[str, ...]] = {"params": field_names(ToyParams)}
-    methods: tuple[str, ...] = ("plain", "better", "worse")
-    metrics: tuple[Metric, ...] = (
+@dataclass(frozen=True)
+class ToyScene:
+    params: ToyParams
+    seed: int
+    jobs: np.ndarray
+
+
+class ToyMission:
+    tables = MappingProxyType({"params": Table("numbers", {"": ToyParams})})
+    methods = MappingProxyType({"plain": "as it is", "better": "faster", "worse": "slower"})
+    metrics = (
         Metric("time", "s", "Time"),
         Metric("clearance", "m", "Clearance"),
         Metric("steps", "", "Steps", integer=True, summarised=False),
     )
-    endings: tuple[IntEnum, ...] = EPISODE_ENDINGS
-    success: IntEnum = Status.REACHED
+    endings = EPISODE_ENDINGS
 
-    def prepare(
-        self, settings: Mapping[str, Mapping[str, Any]], folder: Path, where: str
-    ) -> Prepared:
-        params = read_table(ToyParams, settings["params"], f"{where}: [params]")
-        return Prepared({"params": asdict(params)}, {}, params)
+    def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
+        params = read_table(ToyParams, tables["params"], files.table("params"))
+        return Case({"params": asdict(params)}, {}, params)
 
-    def run(self, spec: Any, condition: Any, method: str, jobs: np.ndarray) -> dict[str, Any]:
-        params: ToyParams = condition.payload
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> ToyScene:
+        return ToyScene(case.given, seed, jobs)
+
+    def run(self, scene: ToyScene, method: str, record: bool = False) -> Outcome:
+        params, seed, jobs = scene.params, scene.seed, scene.jobs
         time.sleep(params.sleep)
         if params.crash_job in jobs:
             raise OSError("a defect, not a user's mistake")
         shift = {"plain": 0.0, "better": 0.05, "worse": -0.2}[method]
-        luck = toy_uniforms(spec.seed, jobs, 0)
+        luck = toy_uniforms(seed, jobs, 0)
         status = np.where(luck < params.rate + shift, Status.REACHED, Status.STUCK)
-        noise = toy_uniforms(spec.seed, jobs, 1 + len(method))
+        noise = toy_uniforms(seed, jobs, 1 + len(method))
         seconds = 10.0 + 5.0 * luck + noise - 4.0 * shift
         seconds[(jobs == params.nan_job)] = np.nan
         status[(jobs == params.nan_job)] = Status.REACHED
         status[(jobs == params.running_job)] = Status.RUNNING
         clearance = noise + params.radius
-        clearance[toy_uniforms(spec.seed, jobs, 9 + len(method)) < params.unsensed] = np.inf
-        return {
+        clearance[toy_uniforms(seed, jobs, 9 + len(method)) < params.unsensed] = np.inf
+        columns = {
             "status": status.astype(np.int32),
             "time": seconds.astype(np.float32),
             "clearance": clearance.astype(np.float32),
             "steps": (10 * seconds).astype(np.int32) if params.nan_job < 0 else jobs,
         }
+        return Outcome(columns, self._recorded(luck) if record else None)
+
+    def _recorded(self, luck: np.ndarray) -> Recording:
+        nowhere = Ground(None, np.empty((0, 2)), 0.0, {})
+        places = luck[:, None, None, None] * np.arange(3.0)[:, None, None] + np.zeros(2)
+        tracks = tuple(Track(np.arange(3.0), "s", place) for place in places)
+        return Recording((nowhere,) * len(luck), tracks, luck)
+
+    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
+        return int(rows["job"].max()), "the last"
+
+    def figures(self, run: Any, replay: Any) -> Iterator[tuple[str, Any]]:
+        yield "times", run.table().select("job", "time")
+
+    def film(self, replayed: Any, row: int) -> Any:
+        from usvjax.plots.tracks import track_film
+
+        track = replayed.recording.tracks[row]
+        return track_film(track.places, track.along, track.unit)
 
 
-register_kind(KIND, "study_fake:ToyWorkload")
+register_mission(KIND, ToyMission())
+
+
+def study_rows(spec: StudySpec, method: str, jobs: np.ndarray, condition: int = 0) -> Any:
+    """Status and metrics of some jobs of a study, array[J] each."""
+    scene = spec.mission.pose(spec.conditions[condition].case, spec.seed, jobs)
+    return spec.mission.run(scene, method).columns
 
 
 def toy_study(**changes: Any) -> dict[str, Any]:
@@ -101,12 +136,3 @@ def run_files(path: Path) -> dict[str, bytes]:
         for file in sorted(path.rglob("*"))
         if file.is_file() and file.name != "timings.json"
     }
-
-
-def test_uniforms_of_a_job_do_not_depend_on_the_others():
-    alone = toy_uniforms(3, np.asarray([41]), 2)
-    assert alone[0] == toy_uniforms(3, np.arange(100), 2)[41]
-
-
-def test_registered_kind_is_found():
-    assert isinstance(get_workload(KIND), ToyWorkload)

@@ -9,10 +9,11 @@ import numpy as np
 import polars as pl
 import pytest
 from rich.console import Console
-from study_fake import ToyWorkload, run_files, toy_study
+from study_fake import ToyMission, run_files, toy_study
 
 from usvjax.devices import chosen_devices
 from usvjax.errors import BadInputError
+from usvjax.mission import Outcome
 from usvjax.study import load_run, parse_spec, run_study
 from usvjax.study.report import terminal
 from usvjax.study.runner import StudyStoppedError, pick_devices, run_unit, unit_jobs
@@ -173,7 +174,7 @@ def test_last_shard_is_partial():
 
 def test_running_again_computes_nothing_and_changes_nothing(tmp_path, finished, monkeypatch):
     before = run_files(finished.path)
-    monkeypatch.setattr(ToyWorkload, "run", None)
+    monkeypatch.setattr(ToyMission, "run", None)
     listener = Recorder()
     again = run_study(parse_spec(toy_study()), tmp_path / "reference", listener=listener)
     assert listener.began == [(1000, 1000)]
@@ -203,13 +204,13 @@ def test_interrupt_finishes_the_shards_under_way_and_resumes(tmp_path, finished,
             if len(self.advanced) == 2:
                 raise KeyboardInterrupt
 
-    slow = ToyWorkload.run
+    slow = ToyMission.run
 
     def run(self, *args):
         time.sleep(0.02)
         return slow(self, *args)
 
-    monkeypatch.setattr(ToyWorkload, "run", run)
+    monkeypatch.setattr(ToyMission, "run", run)
     listener = Interrupting()
     with pytest.raises(StudyStoppedError) as stop:
         run_study(parse_spec(toy_study()), tmp_path / "stopped", listener=listener)
@@ -228,7 +229,7 @@ def test_interrupt_finishes_the_shards_under_way_and_resumes(tmp_path, finished,
     ("params", "words"),
     [({"nan_job": 137}, "job 137 .*time is NaN"), ({"running_job": 42}, "job 42 .*no ending")],
 )
-def test_a_broken_workload_is_an_error_that_names_the_job(tmp_path, params, words):
+def test_a_broken_mission_is_an_error_that_names_the_job(tmp_path, params, words):
     spec = parse_spec(toy_study(params=params))
     with pytest.raises(RuntimeError, match=words):
         run_study(spec, tmp_path)
@@ -241,14 +242,14 @@ def test_a_defect_in_a_worker_reaches_the_caller(tmp_path):
 
 
 def test_nan_in_a_failed_episode_is_no_error(tmp_path, monkeypatch):
-    original = ToyWorkload.run
+    original = ToyMission.run
 
     def run(self, *args):
-        columns = original(self, *args)
+        columns = original(self, *args).columns
         columns["time"] = np.where(columns["status"] == 1, columns["time"], np.nan)
-        return columns
+        return Outcome(columns)
 
-    monkeypatch.setattr(ToyWorkload, "run", run)
+    monkeypatch.setattr(ToyMission, "run", run)
     result = run_study(parse_spec(toy_study()), tmp_path)
     text = (result.path / "summary.json").read_text()
     assert "NaN" not in text
@@ -273,14 +274,14 @@ def test_no_success_gives_empty_figures(tmp_path):
 
 def test_each_thread_works_on_its_own_device(tmp_path, monkeypatch):
     seen: list[tuple[str, ...]] = []
-    original = ToyWorkload.run
+    original = ToyMission.run
 
     def run(self, *args):
         seen.append(tuple(map(str, chosen_devices())))
         time.sleep(0.05)
         return original(self, *args)
 
-    monkeypatch.setattr(ToyWorkload, "run", run)
+    monkeypatch.setattr(ToyMission, "run", run)
     run_study(parse_spec(toy_study()), tmp_path)
     assert set(seen) == {(str(device),) for device in jax.local_devices()}
 

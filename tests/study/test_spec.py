@@ -25,8 +25,8 @@ def test_defaults_fill_in():
     assert (spec.kind, spec.seed, spec.shard, spec.until) == ("dwa", 0, 2000, None)
     (condition,) = spec.conditions
     assert condition.label == "a"
-    assert condition.settings["maps"]["source"] == "lattice"
-    assert condition.settings["params"]["radius"] == 0.5
+    assert condition.case.settings["maps"]["source"] == "lattice"
+    assert condition.case.settings["params"]["radius"] == 0.5
 
 
 def test_axes_are_crossed_in_order():
@@ -36,8 +36,8 @@ def test_axes_are_crossed_in_order():
         "radius 0.2, rate 0.2",
     ]
     assert [c.index for c in spec.conditions] == list(range(6))
-    assert spec.conditions[5].settings["params"]["radius"] == 0.5
-    assert spec.conditions[5].settings["maps"]["rate"] == 0.3
+    assert spec.conditions[5].case.settings["params"]["radius"] == 0.5
+    assert spec.conditions[5].case.settings["maps"]["rate"] == 0.3
 
 
 def test_listed_conditions_and_axes_combine():
@@ -54,7 +54,7 @@ def test_listed_conditions_and_axes_combine():
         "radius 0.2, clearance_cap 1",
         "radius 0.2, clearance_cap inf",
     ]
-    assert spec.conditions[1].payload.params.clearance_cap == math.inf
+    assert spec.conditions[1].case.given.params.clearance_cap == math.inf
 
 
 def test_clashing_short_names_are_written_in_full():
@@ -68,7 +68,7 @@ def test_clashing_short_names_are_written_in_full():
 def test_whole_numbers_do_for_numbers():
     one = parse_spec(dwa("[params]\nradius = 1"))
     assert one.hash == parse_spec(dwa("[params]\nradius = 1.0")).hash
-    assert isinstance(one.conditions[0].payload.params.radius, float)
+    assert isinstance(one.conditions[0].case.given.params.radius, float)
 
 
 @pytest.mark.parametrize(
@@ -278,8 +278,8 @@ def test_a_condition_has_no_more_shards_than_a_folder_holds_well():
 def test_hints_know_the_keys_of_every_kind(kind):
     study = {"name": "a", "episodes": 2, "kind": kind}
     spec = parse_spec(study)
-    for section, settings in spec.conditions[0].settings.items():
-        assert set(settings) <= set(spec.workload.sections[section])
+    for section, settings in spec.conditions[0].case.settings.items():
+        assert set(settings) <= set(spec.mission.tables[section].keys)
     elsewhere = {"dwa": "static.horizon", "route": "search.weight", "cruise": "cruise.speed"}[kind]
     with pytest.raises(BadInputError, match=f"did you mean '{elsewhere}'"):
         parse_spec({**study, elsewhere.partition(".")[2]: 3})
@@ -314,7 +314,7 @@ def test_shipped_studies_are_there():
 def test_an_axis_of_one_value_is_not_told():
     spec = parse_spec(dwa('[axes]\nparams.radius = [0.2, 0.5]\n"static.horizon" = [10]'))
     assert [c.label for c in spec.conditions] == ["radius 0.2", "radius 0.5"]
-    assert all(c.settings["static"]["horizon"] == 10 for c in spec.conditions)
+    assert all(c.case.settings["static"]["horizon"] == 10 for c in spec.conditions)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ TABLE = pl.DataFrame({"job": [0, 1, 2], "time": [1.0, 2.5, 4.0]})
 
 
 def opened(path, study_hash="abc", **study):
-    return RunDirectory.open(path, {"name": "a", **study}, study_hash)
+    return RunDirectory.open(path, {"name": "a", **study}, study_hash, "code")
 
 
 @pytest.fixture
@@ -64,7 +64,7 @@ def test_another_study_is_refused(tmp_path, finished, changes, words):
     ("key", "value", "words"),
     [
         ("usvjax", "0.0.9", "made with usvjax version 0.0.9, this is"),
-        ("code", "0" * 16, "made with usvjax code 0000"),
+        ("code", "0" * 16, "made with code 0000"),
         ("jax", "0.1", "made with jax version 0.1, this is"),
         ("device", "gpu H200", "made with device kind gpu H200, this is cpu"),
     ],

@@ -47,6 +47,18 @@ COMMANDS = {
         "usvjax.cli.study",
         "study",
     ),
+    "init": Command(
+        "write a commented study file to begin with",
+        "usvjax init dwa --out my_dwa.toml",
+        "usvjax.cli.init",
+        "init",
+    ),
+    "check": Command(
+        "say what a study would run, how long and how large",
+        "usvjax check studies/tan2022.toml",
+        "usvjax.cli.check",
+        "check",
+    ),
     "reproduce": Command(
         "regenerate a paper's tables and figures beside the published values",
         "usvjax reproduce tan2022",
@@ -62,6 +74,12 @@ COMMANDS = {
         "usvjax animate runs/tan2022 --job 3",
         "usvjax.cli.animate",
         "animate",
+    ),
+    "export": Command(
+        "write where the vessels of one episode were, as CSV",
+        "usvjax export runs/tan2022 --job 3",
+        "usvjax.cli.export",
+        "export",
     ),
     "route": Command(
         "find a route between two places on a map",

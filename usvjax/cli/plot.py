@@ -22,11 +22,9 @@ def plot(
 ) -> None:
     """Draw the figures of a run, finished or still under way, into RUN/figures.
 
-    Of kind dwa: success, how episodes ended, with intervals; distributions, time and path length
-    where all methods reached; paths, one episode, chosen by a rule, under all methods; chart,
-    many episodes on a real map, coloured by how they ended. Of kind route: methods, how they
-    compare; routes, one query under all; curvature along it; chart. Of kind cruise: methods;
-    cruise, the one of median length on its chart, and its itinerary stop by stop (.csv).
+    Which ones, the kind of the study says. Mostly: how episodes ended, with intervals; how the
+    methods compare where all succeeded; one episode, chosen by a rule, under all methods; many
+    on a real map.
 
     Example: usvjax plot runs/tan2022 --format png pdf
 
@@ -36,11 +34,11 @@ def plot(
         max_examples: Conditions, from the first, of which episodes are simulated again for
             paths, charts, routes and cruises; 0 for none.
         max_paths: Trajectories on a chart.
-        folder: What a map file named by the study is relative to, if it uses one of your own.
+        folder: What a map file or plugin of your own, named by the study, is relative to.
         as_json: Print the files written as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.missions.dwa.figures import figures_for_run
+    from usvjax.study.figures import figures_for_run
 
     use_compilation_cache()
     console = Console(highlight=False, markup=False, soft_wrap=True)

@@ -79,8 +79,8 @@ def study(
 
 
 def _figures(run: Path, folder: Path) -> list[Path]:
-    """Draw the figures of a run; map files that its study names are relative to `folder`."""
-    from usvjax.missions.dwa.figures import figures_for_run
+    """Draw the figures of a run; files that its study names are relative to `folder`."""
+    from usvjax.study.figures import figures_for_run
 
     return figures_for_run(run, folder=folder)
 

@@ -1,7 +1,8 @@
 """Films, GIF or MP4."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,31 +17,67 @@ from usvjax.plots import style
 SUFFIXES = (".gif", ".mp4")
 
 
-def write_film(fig: Figure, frames: Iterator[None], path: Path, *, fps: int, dpi: int) -> Path:
-    """Write a film of a figure, whole or not at all.
+@dataclass(frozen=True)
+class Film:
+    """A figure that can show any of some steps.
+
+    Attributes:
+        fig: the figure.
+        steps: how many there are.
+        show: changes the figure to step 0 .. steps - 1.
+    """
+
+    fig: Figure
+    steps: int
+    show: Callable[[int], None]
+
+
+def write_film(
+    film: Film,
+    path: str | Path,
+    *,
+    max_frames: int = 120,
+    fps: int = 12,
+    dpi: int = 110,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Write a film as GIF or MP4, whole or not at all.
 
     Args:
-        fig: The figure.
-        frames: Each step changes the figure to the next frame.
+        film: What to show.
         path: File to write: .gif, or .mp4 where ffmpeg is installed.
+        max_frames: Frames at most; steps between them are skipped evenly.
         fps: Frames per second.
         dpi: Dots per inch.
+        progress: Called with (frames done, frames in all) after every frame.
 
     Returns:
         The path written.
 
     Raises:
-        BadInputError: A place that cannot be written.
+        BadInputError: Another suffix, no ffmpeg for an .mp4, max_frames, fps or dpi below 1,
+            or a place that cannot be written.
     """
-    fig.set_dpi(dpi)
-    write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
-    return style.write_atomically(path, lambda file: write(fig, frames, file, fps))
+    target = Path(path)
+    check_animation(target, max_frames=max_frames, fps=fps, dpi=dpi)
+    steps = frame_steps(film.steps, max_frames)
+
+    def frames() -> Iterator[None]:
+        for done, step in enumerate(steps, start=1):
+            film.show(step)
+            yield
+            if progress is not None:
+                progress(done, len(steps))
+
+    film.fig.set_dpi(dpi)
+    write = _write_gif if target.suffix.lower() == ".gif" else _write_mp4
+    return style.write_atomically(target, lambda file: write(film.fig, frames(), file, fps))
 
 
-def check_animation(path: Path, *, max_frames: int, fps: int) -> None:
-    """Raise BadInputError, before anything is computed, for what a film cannot be made of."""
+def check_animation(path: Path, *, max_frames: int, fps: int, dpi: int = 110) -> None:
+    """Raise BadInputError, before anything is computed, for what `write_film` refuses."""
     style.check_suffix(path, SUFFIXES)
-    for name, value in (("max_frames", max_frames), ("fps", fps)):
+    for name, value in (("max_frames", max_frames), ("fps", fps), ("dpi", dpi)):
         if value < 1:
             raise BadInputError(f"{name} is {value}; at least 1 was wanted")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():

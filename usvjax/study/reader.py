@@ -8,6 +8,7 @@ from typing import Any
 import polars as pl
 
 from usvjax.errors import BadInputError
+from usvjax.study.looks import look_level, look_schedule
 from usvjax.study.store import read_manifest
 
 
@@ -51,12 +52,19 @@ class Run:
         """What distinguishes each condition, by dotted key such as "params.radius"."""
         return [c["varied"] for c in self.manifest["study"]["conditions"]]
 
+    @property
+    def level(self) -> float:
+        """Coverage of every single interval, so that all looks together keep the study's."""
+        study = self.manifest["study"]
+        looks = look_schedule(study["episodes"], study["shard"], study["until"])
+        return look_level(study["confidence"], len(looks))
+
     def table(self) -> pl.DataFrame:
         """Read all rows.
 
         Returns:
             One row per condition, job and method: "condition", "job" (int32), "method" (str),
-            "status" (int32) and the metrics of the study's kind.
+            "status" (int32) and the metrics of its mission.
 
         Raises:
             BadInputError: nothing has been written yet, or a file is damaged.

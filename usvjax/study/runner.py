@@ -8,7 +8,7 @@ only shard-sized arrays are alive at a time, so memory does not grow with the ep
 import queue
 import threading
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -110,7 +110,7 @@ def run_episodes(
     Raises:
         BadInputError: the run directory cannot be written, or inputs were refused.
         StudyStoppedError: on Ctrl-C, after the shards under way were written.
-        RuntimeError: the workload returned NaN or an unfinished episode.
+        RuntimeError: the mission returned NaN or an unfinished episode.
     """
     crew = _Crew(spec, run, tuple(devices or jax.local_devices()), listener or Silent())
     looks = look_schedule(spec.episodes, spec.shard, spec.until)
@@ -170,7 +170,7 @@ def _successes(spec: StudySpec, run: RunDirectory, condition: int, episodes: int
     """Count each method's successes among the first `episodes` of a condition."""
     counts = dict.fromkeys(spec.methods, 0)
     for unit in _units(spec, [condition], episodes):
-        table = run.read_shard(unit).filter(pl.col("status") == int(spec.workload.success))
+        table = run.read_shard(unit).filter(pl.col("status") == int(spec.mission.endings[0]))
         for method in spec.methods:
             counts[method] += int((table["method"] == method).sum())
     return list(counts.values())
@@ -294,18 +294,19 @@ def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame
     """
     condition = spec.conditions[unit.condition]
     jobs = unit_jobs(spec, unit)
+    scene = spec.mission.pose(condition.case, spec.seed, jobs)  # once, for all methods
     tables = []
     count = len(spec.methods)
     for rank in ((first_method + i) % count for i in range(count)):
         method = spec.methods[rank]
-        columns = spec.workload.run(spec, condition, method, jobs)
+        columns = spec.mission.run(scene, method).columns
         place = f"condition {condition.index} ({condition.label}), method {method}"
         _check_columns(spec, columns, jobs, place)
         metrics = {
             metric.name: pl.Series(
                 columns[metric.name], dtype=pl.Int32 if metric.integer else pl.Float32
             )
-            for metric in spec.workload.metrics
+            for metric in spec.mission.metrics
         }
         keys = {
             "condition": np.full(len(jobs), condition.index),
@@ -319,15 +320,15 @@ def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame
 
 
 def _check_columns(
-    spec: StudySpec, columns: dict[str, np.ndarray], jobs: np.ndarray, place: str
+    spec: StudySpec, columns: Mapping[str, np.ndarray], jobs: np.ndarray, place: str
 ) -> None:
-    """Raise RuntimeError where a workload broke its contract; a defect, not a user's mistake."""
+    """Raise RuntimeError where a mission broke its contract; a defect, not a user's mistake."""
     status = columns["status"]
-    unfinished = ~np.isin(status, [int(s) for s in spec.workload.endings])
+    unfinished = ~np.isin(status, [int(s) for s in spec.mission.endings])
     if unfinished.any():
         job = jobs[unfinished.argmax()]
         raise RuntimeError(f"job {job} of {place} has no ending: {status[unfinished.argmax()]}")
-    for metric in spec.workload.metrics:
-        bad = np.isnan(columns[metric.name]) & (status == int(spec.workload.success))
+    for metric in spec.mission.metrics:
+        bad = np.isnan(columns[metric.name]) & (status == int(spec.mission.endings[0]))
         if bad.any():
             raise RuntimeError(f"job {jobs[bad.argmax()]} of {place}: {metric.name} is NaN")

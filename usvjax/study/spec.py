@@ -10,17 +10,26 @@ import hashlib
 import itertools
 import json
 import math
+import pickle
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.mission import Workload, get_workload
-from usvjax.sections import Sections, check_dotted, check_homes, check_top_keys
+from usvjax.mission import Case, Files, Mission
+from usvjax.registry import find_mission
+from usvjax.sections import (
+    Sections,
+    check_dotted,
+    check_homes,
+    check_top_keys,
+    sections_of,
+)
+from usvjax.study.plugin import Plugin, read_plugin
 from usvjax.suggest import did_you_mean
 from usvjax.tables import MAX_NESTED, check_plain, read_table
 
@@ -40,7 +49,8 @@ class StudyFile:
 
     Attributes:
         name: also the name of the run directory.
-        kind: what an episode is; "dwa", "route" or "cruise".
+        kind: the mission, which says what an episode is.
+        plugin: a file of one's own that brings the mission, relative to the study file.
         seed: one seed for the whole study.
         episodes: per condition and method; with `until`, at most so many.
         shard: episodes per shard, the unit of work and of resuming.
@@ -54,6 +64,7 @@ class StudyFile:
     name: str
     episodes: int
     kind: str = "dwa"
+    plugin: str | None = None
     seed: int = 0
     shard: int = 2000
     methods: tuple[str, ...] = ()
@@ -70,17 +81,13 @@ class Condition:
         index: place in the study, from 0.
         label: short words for tables and figures.
         varied: what distinguishes it, by dotted key such as "params.radius".
-        settings: every setting in force, by section, defaults filled in.
-        inputs: SHA-256 of each file that it reads.
-        payload: what the workload needs to run it.
+        case: its settings, checked and ready to be posed.
     """
 
     index: int
     label: str
     varied: dict[str, Any]
-    settings: dict[str, dict[str, Any]]
-    inputs: dict[str, str]
-    payload: Any = field(repr=False, compare=False)
+    case: Case
 
 
 @dataclass(frozen=True)
@@ -92,7 +99,8 @@ class StudySpec:
         methods: what is compared, the baseline among them.
         baseline: what paired differences are taken against.
         conditions: the settings to run, in order.
-        workload: runs the episodes.
+        mission: runs the episodes.
+        plugin: where the mission is from, if it is a user's own.
     """
 
     name: str
@@ -105,11 +113,18 @@ class StudySpec:
     until: float | None
     confidence: float
     conditions: tuple[Condition, ...]
-    workload: Workload = field(repr=False, compare=False)
+    mission: Mission = field(repr=False, compare=False)
+    plugin: Plugin | None = field(default=None, repr=False, compare=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Take the plug-in's source along: in another process its classes are not known yet."""
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return _unpacked, (self.plugin, pickle.dumps(values))
 
     def canonical(self) -> dict[str, Any]:
         """Everything that decides the results, as JSON-able values with defaults filled in."""
-        return {
+        own = {} if self.plugin is None else {"plugin": self.plugin.name}
+        return own | {
             "name": self.name,
             "kind": self.kind,
             "seed": self.seed,
@@ -123,8 +138,8 @@ class StudySpec:
                 {
                     "label": c.label,
                     "varied": plain(c.varied),
-                    "settings": plain(c.settings),
-                    "inputs": c.inputs,
+                    "settings": plain(c.case.settings),
+                    "inputs": c.case.inputs,
                 }
                 for c in self.conditions
             ],
@@ -189,33 +204,33 @@ def parse_spec(
     """
     check_plain(tables, where)
     kind = tables.get("kind", StudyFile.kind)
-    workload = get_workload(kind if isinstance(kind, str) else str(kind), where)
+    files = Files(folder or Path(), where)
+    plugin = _plugin(tables, files)
+    mission = find_mission(kind if isinstance(kind, str) else str(kind), where)
+    sections = sections_of(mission.tables)
     top_names = list(StudyFile.__dataclass_fields__)
-    known = [*top_names, *workload.sections, "axes", "conditions"]
-    check_top_keys(tables, workload.sections, known, where)
+    check_top_keys(tables, sections, [*top_names, *sections, "axes", "conditions"], where)
     top = read_table(StudyFile, {k: v for k, v in tables.items() if k in top_names}, where)
-    methods, baseline = _check_top(top, workload, where)
-    sections = {name: _table(tables, name, where) for name in workload.sections}
-    variants = list(_variants(tables, workload.sections, where))
+    methods, baseline = _check_top(top, mission, where)
+    given = {name: _table(tables, name, where) for name in sections}
+    variants = list(_variants(tables, sections, where))
     names = _short_names({key for _, varied, _ in variants for key in varied})
     conditions = []
     for index, (title, varied, told) in enumerate(variants):
-        settings = _overridden(sections, varied)
-        check_homes(settings, workload.sections, where)
-        prepared = workload.prepare(settings, folder or Path(), where)
-        most = prepared.most_jobs
+        settings = _overridden(given, varied)
+        check_homes(settings, sections, where)
+        case = mission.case(settings, files)
+        most = case.most_jobs
         if most is not None and top.episodes > most:
             raise BadInputError(
                 f"{where}: 'episodes' must be at most {most}, the queries of the file that "
                 f"[maps] names, got {top.episodes}"
             )
         for method in methods:
-            if method in prepared.refusals:
-                raise BadInputError(f"{where}: method {method!r}: {prepared.refusals[method]}")
+            if method in case.refusals:
+                raise BadInputError(f"{where}: method {method!r}: {case.refusals[method]}")
         label = ", ".join(filter(None, (title, _label(told, names)))) or top.name
-        conditions.append(
-            Condition(index, label, varied, prepared.settings, prepared.inputs, prepared.payload)
-        )
+        conditions.append(Condition(index, label, varied, case))
     return StudySpec(
         name=top.name,
         kind=top.kind,
@@ -227,8 +242,28 @@ def parse_spec(
         until=top.until,
         confidence=top.confidence,
         conditions=tuple(conditions),
-        workload=workload,
+        mission=mission,
+        plugin=plugin,
     )
+
+
+def _unpacked(plugin: Plugin | None, values: bytes) -> StudySpec:
+    """A study from another process."""
+    if plugin is not None:
+        plugin.load()
+    return StudySpec(**pickle.loads(values))
+
+
+def _plugin(tables: Mapping[str, Any], files: Files) -> Plugin | None:
+    """Load the plug-in of a study, if it has one."""
+    name = tables.get("plugin")
+    if name is None:
+        return None
+    if not isinstance(name, str):
+        raise BadTypeError(f"{files.where}: 'plugin' must be a string, got {name!r}")
+    plugin = read_plugin(name, files.folder, files.where)
+    plugin.load(files.where)
+    return plugin
 
 
 def plain(value: Any) -> Any:
@@ -242,7 +277,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def _check_top(top: StudyFile, workload: Workload, where: str) -> tuple[tuple[str, ...], str]:
+def _check_top(top: StudyFile, mission: Mission, where: str) -> tuple[tuple[str, ...], str]:
     """Check values of top-level keys; return the methods and the baseline."""
     if not _NAME.fullmatch(top.name):
         raise BadInputError(
@@ -266,10 +301,10 @@ def _check_top(top: StudyFile, workload: Workload, where: str) -> tuple[tuple[st
     for key, value in (("until", top.until), ("confidence", top.confidence)):
         if value is not None and not 0.0 < value < 1.0:
             raise BadInputError(f"{where}: {key!r} must lie between 0 and 1, got {value!r}")
-    methods = top.methods or workload.methods
+    methods = top.methods or tuple(mission.methods)
     for method in methods:
-        if method not in workload.methods:
-            hint = did_you_mean(method, workload.methods)
+        if method not in mission.methods:
+            hint = did_you_mean(method, mission.methods)
             raise BadInputError(f"{where}: unknown method {method!r} in 'methods'; {hint}")
     if len(set(methods)) != len(methods):
         raise BadInputError(f"{where}: 'methods' names a method twice: {list(methods)!r}")

@@ -66,13 +66,16 @@ class RunDirectory:
         self._shards = self._verified_shards()
 
     @classmethod
-    def open(cls, path: Path, study: Mapping[str, Any], study_hash: str) -> "RunDirectory":
+    def open(
+        cls, path: Path, study: Mapping[str, Any], study_hash: str, code: str
+    ) -> "RunDirectory":
         """Create a run directory, or take up one of the same study and versions.
 
         Args:
             path: the directory; made if absent.
             study: the canonical study, for the manifest.
             study_hash: its hash.
+            code: digest of the code that runs it.
 
         Returns:
             The open directory; close it, or leave its `with` block, to release its lock.
@@ -83,7 +86,7 @@ class RunDirectory:
         """
         path = Path(path)
         _check_is_ours(path)
-        manifest = {"hash": study_hash, **environment(), "study": dict(study)}
+        manifest = {"hash": study_hash, **environment(code), "study": dict(study)}
         if (path / MANIFEST).exists():
             _check_same(path, read_manifest(path), manifest)
         with _clear_errors(path):

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from usvjax.study.code import code_digest
 from usvjax.study.report import markdown
 from usvjax.study.runner import Listener, pick_devices, run_episodes
 from usvjax.study.spec import StudySpec, load_spec
@@ -51,7 +52,8 @@ def run_study(
     spec = study if isinstance(study, StudySpec) else load_spec(study)
     workers = pick_devices(devices)
     path = Path(out) / spec.name
-    with RunDirectory.open(path, spec.canonical(), spec.hash) as run:
+    code = code_digest(spec.mission)
+    with RunDirectory.open(path, spec.canonical(), spec.hash, code) as run:
         progress = run_episodes(spec, run, devices=workers, listener=listener)
         summary = summarise(spec, run, progress)
         run.write_json("summary.json", summary)

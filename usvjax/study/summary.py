@@ -57,14 +57,14 @@ def summarise(spec: StudySpec, run: RunDirectory, progress: Progress) -> dict[st
         "seed": spec.seed,
         "baseline": spec.baseline,
         "methods": list(spec.methods),
-        "success": spec.workload.success.name,
+        "success": spec.mission.endings[0].name,
         "confidence": spec.confidence,
         "level": progress.level,
         "looks": list(progress.looks),
         "until": spec.until,
         "resamples": RESAMPLES,
-        "metrics": [asdict(m) for m in spec.workload.metrics if m.summarised],
-        "counted": [asdict(m) for m in spec.workload.metrics if m.counted],
+        "metrics": [asdict(m) for m in spec.mission.metrics if m.summarised],
+        "counted": [asdict(m) for m in spec.mission.metrics if m.counted],
         "families": _families(conditions),
     }
     rounded: dict[str, Any] = _rounded({"format": FORMAT, "study": study, "conditions": conditions})
@@ -116,22 +116,22 @@ def _method(
 ) -> dict[str, Any]:
     """Counts, rates and averages of one method."""
     status = table["status"].to_numpy()
-    counts = {s.name: int((status == int(s)).sum()) for s in spec.workload.endings}
+    counts = {s.name: int((status == int(s)).sum()) for s in spec.mission.endings}
     rates = {
         name: {"count": count, **asdict(wilson(count, len(status), progress.level))}
         for name, count in counts.items()
     }
-    own = table.filter(pl.col("status") == int(spec.workload.success))
+    own = table.filter(pl.col("status") == int(spec.mission.endings[0]))
     figures = _averages(spec, [own], progress.level, (condition.index, _rank(spec, method), 0))
     return {
         "method": method,
         "episodes": len(status),
-        "successes": counts[spec.workload.success.name],
+        "successes": counts[spec.mission.endings[0].name],
         "statuses": rates,
         "metrics": figures[0],
         "counted": {
             m.name: float(table[m.name].to_numpy().mean(dtype=np.float64))
-            for m in spec.workload.metrics
+            for m in spec.mission.metrics
             if m.counted
         },
     }
@@ -146,7 +146,7 @@ def _pair(
     progress: Progress,
 ) -> dict[str, Any]:
     """Compare one method with the baseline, episode by episode."""
-    code, level = int(spec.workload.success), progress.level
+    code, level = int(spec.mission.endings[0]), progress.level
     won, base_won = table["status"].to_numpy() == code, base["status"].to_numpy() == code
     both = won & base_won
     shared = _finite_pairs(spec, [frame.filter(pl.Series(both)) for frame in (table, base)])
@@ -226,7 +226,7 @@ def _figures(found: Averages) -> dict[str, Any]:
 
 
 def _summarised(spec: StudySpec) -> list[str]:
-    return [metric.name for metric in spec.workload.metrics if metric.summarised]
+    return [metric.name for metric in spec.mission.metrics if metric.summarised]
 
 
 def _rank(spec: StudySpec, method: str) -> int:

@@ -8,11 +8,12 @@ import jax
 import numpy as np
 import pytest
 from scipy import ndimage
+from study_fake import study_rows
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, random_maps, save_map
 from usvjax.missions.cruise.chart import TRACK_ID
-from usvjax.missions.cruise.figures import typical_cruise, visits_words
+from usvjax.missions.cruise.figures import visits_words
 from usvjax.missions.cruise.itinerary import itinerary
 from usvjax.missions.cruise.methods import (
     METHODS,
@@ -23,10 +24,11 @@ from usvjax.missions.cruise.methods import (
     shortest_tours,
     tour_lengths,
 )
+from usvjax.missions.cruise.mission import MISSION
 from usvjax.missions.cruise.scenes import GridWaters, Lake, RandomWaters
-from usvjax.missions.dwa.figures import figures_for_run
 from usvjax.plots.route import length_words
 from usvjax.study import load_run, load_spec, parse_spec, run_study
+from usvjax.study.figures import figures_for_run
 from usvjax.study.report import number
 from usvkernels.status import CRUISE_ENDINGS, Status
 
@@ -63,7 +65,7 @@ def spec():
 
 @pytest.fixture(scope="module")
 def rows(spec):
-    return spec.workload.run(spec, spec.conditions[0], "recommended", JOBS)
+    return study_rows(spec, "recommended", JOBS)
 
 
 @pytest.fixture(scope="module")
@@ -92,8 +94,8 @@ def test_tours_are_the_shortest_by_water(spec, rows):
 
 
 def _settings(spec):
-    payload = spec.conditions[0].payload
-    return payload.waters, payload.options
+    given = spec.conditions[0].case.given
+    return given.waters, given.options
 
 
 def test_measures_agree_with_one_another(rows):
@@ -117,7 +119,7 @@ def test_in_calm_water_the_track_is_the_tour(finished):
 
 
 def test_a_cruise_is_the_same_alone_as_among_others(spec, rows):
-    others = spec.workload.run(spec, spec.conditions[0], "recommended", JOBS + 5)
+    others = study_rows(spec, "recommended", JOBS + 5)
     for name, values in rows.items():
         np.testing.assert_array_equal(values[5:], others[name][:3], err_msg=name)
     assert (rows["length"][:3] != others["length"][:3]).any()
@@ -133,14 +135,14 @@ def test_jobs_that_do_not_follow_one_another_are_sailed_in_parts(tmp_path, monke
     def sailed(blocked, stations, key, *, first, order, **given):
         seen.append((first, stations))
         count = np.arange(first, first + len(stations))
-        metrics = {m.name: count for m in spec.workload.metrics}
+        metrics = {m.name: count for m in spec.mission.metrics}
         return SimpleNamespace(status=count, visited=np.ones((len(count), 3), bool), **metrics)
 
     monkeypatch.setattr("usvjax.missions.cruise.methods.cruise", sailed)
-    rows = spec.workload.run(spec, condition, "recommended", np.array([6, 1, 2, 4]))
+    rows = study_rows(spec, "recommended", np.array([6, 1, 2, 4]))
     assert [first for first, _ in seen] == [6, 1, 4]
     assert rows["length"].tolist() == [6, 1, 2, 4]
-    drawn = condition.payload.waters.draw(7, np.arange(7)).stations
+    drawn = condition.case.given.waters.draw(7, np.arange(7)).stations
     np.testing.assert_array_equal(np.concatenate([s for _, s in seen]), drawn[[6, 1, 2, 4]])
 
 
@@ -170,7 +172,7 @@ def test_methods_are_what_they_say(method, monkeypatch):
     monkeypatch.setattr("usvjax.missions.cruise.methods.solve_tour", solved)
     monkeypatch.setattr("usvjax.missions.cruise.methods.cruise", sailed)
     (condition,) = parse_spec(cruise_study(cruise={"sensing": [3, 5]})).conditions
-    waters, options = condition.payload.waters, condition.payload.options
+    waters, options = condition.case.given.waters, condition.case.given.options
     sites = waters.draw(7, np.arange(3, 5))
     legs = np.zeros((2, STATIONS, STATIONS))
     sail(Posed(waters, options, 7, np.arange(3, 5), sites, legs), method)
@@ -229,13 +231,13 @@ def test_given_places_are_every_jobs(tmp_path):
     save_map(ponds(), tmp_path / "ponds.map")
     maps = {"source": "grid", "map": "ponds.map", "places": [[1075, -425], [1480, -60.5]]}
     (condition,) = parse_spec(cruise_study(maps=maps), folder=tmp_path).conditions
-    drawn = condition.payload.waters.draw(0, np.arange(2))
+    drawn = condition.case.given.waters.draw(0, np.arange(2))
     assert drawn.stations.tolist() == [[[1, 1], [9, 8]]] * 2
     assert drawn.blocked.shape == (10, 18)
-    assert list(condition.inputs) == ["ponds.map"]
+    assert list(condition.case.inputs) == ["ponds.map"]
     maps = {"source": "grid", "map": "ponds.map"}
     (condition,) = parse_spec(cruise_study(maps=maps), folder=tmp_path).conditions
-    assert condition.settings["maps"]["stations"] == 20
+    assert condition.case.settings["maps"]["stations"] == 20
 
 
 def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch):
@@ -252,7 +254,7 @@ def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch
     labels = [ax.get_ylabel() for ax in drawn["methods.png"].axes]
     assert labels[1:] == ["length of the cruise (m)", "time (s)", "changes of course"]
     table = load_run(finished.path).table()
-    job, why = typical_cruise(table.filter(condition=0), "recommended")
+    job, why = MISSION.example(table.filter(condition=0), ["recommended"])
     lengths = table.filter(condition=0)["smooth_length"]
     assert (lengths < lengths[job]).sum() <= len(lengths) // 2 <= (lengths <= lengths[job]).sum()
     (ax,) = drawn["cruise-c0.png"].axes
@@ -266,7 +268,7 @@ def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch
 def one_cruise(job, **options):
     """A cruise of the small study, and the distances between its stations."""
     (condition,) = parse_spec(cruise_study(cruise=options)).conditions
-    posed = pose(condition.payload.waters, condition.payload.options, 7, np.asarray([job]))
+    posed = pose(condition.case.given.waters, condition.case.given.options, 7, np.asarray([job]))
     legs = {
         name: leg_lengths(posed.sites, CELL, replace(posed.options, distances=name))
         for name in ("straight", "water")
@@ -316,7 +318,7 @@ def test_shipped_studies_can_be_read(name, request):
     spec = load_spec(request.config.rootpath / "studies" / f"{name}.toml")
     assert spec.name == name
     assert spec.baseline == "recommended"
-    assert all(c.settings["cruise"]["speed"] == 10.0 for c in spec.conditions)
+    assert all(c.case.settings["cruise"]["speed"] == 10.0 for c in spec.conditions)
 
 
 @pytest.mark.parametrize(

@@ -21,9 +21,9 @@ from matplotlib.collections import LineCollection
 from PIL import Image
 
 from usvjax.errors import BadInputError
-from usvjax.missions.dwa import decision, film
+from usvjax.missions.dwa import decision
 from usvjax.plots import style
-from usvjax.plots.film import frame_steps
+from usvjax.plots.film import frame_steps, write_film
 from usvkernels.status import Status
 
 
@@ -122,9 +122,8 @@ def test_frames_are_few_even_and_include_both_ends_or_one_the_last(states, most)
 
 def test_an_animation_is_a_looping_gif(tmp_path):
     calls = []
-    path = film.animate_episode(
-        episode(),
-        fake_decide,
+    path = write_film(
+        decision.decision_film(episode(), fake_decide),
         tmp_path / "new" / "episode.gif",
         max_frames=4,
         dpi=60,
@@ -152,15 +151,20 @@ def test_an_animation_is_a_looping_gif(tmp_path):
 def test_an_animation_refuses_and_writes_nothing(tmp_path, monkeypatch, changes, message):
     monkeypatch.chdir(tmp_path)
     arguments = {"episode": episode(), "decide": fake_decide, "path": "a.gif"}
+    given = {**arguments, **changes}
+
+    def write() -> None:
+        write_film(decision.decision_film(given.pop("episode"), given.pop("decide")), **given)
+
     with pytest.raises(BadInputError, match=message):
-        film.animate_episode(**{**arguments, **changes})
+        write()
     assert not list(tmp_path.iterdir())
 
 
 def test_mp4_without_ffmpeg_says_what_is_missing(tmp_path, monkeypatch):
     monkeypatch.setattr("usvjax.plots.film.FFMpegWriter.isAvailable", lambda: False)
     with pytest.raises(BadInputError, match="needs ffmpeg"):
-        film.animate_episode(episode(), fake_decide, tmp_path / "a.mp4")
+        write_film(decision.decision_film(episode(), fake_decide), tmp_path / "a.mp4")
 
 
 def test_a_step_that_is_not_there_is_refused():

@@ -4,6 +4,7 @@ import jax
 import numpy as np
 import pytest
 from route_ponds import route_study
+from study_fake import study_rows
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, save_map
@@ -41,10 +42,10 @@ def scen_study(**changes):
 
 def test_a_scenario_file_gives_every_query_once_with_its_optimum(benchmark):
     spec = parse_spec(scen_study(maps={"cell_size": 2.0}), folder=benchmark)
-    drawn = spec.conditions[0].payload.source.draw(4, np.arange(4))
+    drawn = spec.conditions[0].case.given.source.draw(4, np.arange(4))
     assert sorted(drawn.published.tolist()) == [0.0, 1.41421356, 5.0, 8.0]
     assert drawn.starts.tolist() != [[0, 0], [0, 0], [2, 2], [0, 0]]
-    row = spec.workload.run(spec, spec.conditions[0], "astar", np.arange(4))
+    row = study_rows(spec, "astar", np.arange(4))
     ratio = dict(zip(drawn.published.tolist(), row["ratio"].tolist(), strict=True))
     # The last line is wrong on purpose: the route is 4 cells long.
     assert ratio == pytest.approx({0.0: 1.0, 1.41421356: 1.0, 5.0: 1.0, 8.0: 0.5})
@@ -54,8 +55,8 @@ def test_a_scenario_file_gives_every_query_once_with_its_optimum(benchmark):
 @pytest.mark.parametrize("method", ["smoothed", "bspline"])
 def test_a_route_from_a_cell_to_itself_has_no_length(benchmark, method):
     spec = parse_spec(scen_study(), folder=benchmark)
-    row = spec.workload.run(spec, spec.conditions[0], method, np.arange(4))
-    nowhere = spec.conditions[0].payload.source.draw(4, np.arange(4)).published == 0.0
+    row = study_rows(spec, method, np.arange(4))
+    nowhere = spec.conditions[0].case.given.source.draw(4, np.arange(4)).published == 0.0
     assert row["path_length"][nowhere] == [0.0]
     assert row["ratio"][nowhere] == [1.0]
     assert (row["status"] == Status.FOUND).all()
@@ -97,8 +98,8 @@ def test_the_shortest_routes_have_the_published_lengths(request):
         pytest.skip(f"no MovingAI maps in {folder}")
     spec = parse_spec(scen_study(episodes=60, maps={"scen": "arena.map.scen"}), folder=folder)
     jobs = np.arange(60)
-    row = spec.workload.run(spec, spec.conditions[0], "astar", jobs)
-    published = spec.conditions[0].payload.source.draw(spec.seed, jobs).published
+    row = study_rows(spec, "astar", jobs)
+    published = spec.conditions[0].case.given.source.draw(spec.seed, jobs).published
     assert (row["status"] == Status.FOUND).all()
     np.testing.assert_allclose(row["path_length"], published, atol=5e-4)
     assert len(set(published)) > 30

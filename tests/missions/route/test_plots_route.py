@@ -16,13 +16,16 @@ from usvjax import plots
 from usvjax.cli import main
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, random_maps, save_map
-from usvjax.missions.dwa.figures import figures_for_run
-from usvjax.missions.route import expanded, figures, replanning
+from usvjax.missions.route import expanded, replanning
+from usvjax.missions.route.figures import ROUTES
 from usvjax.plots import style
+from usvjax.plots.film import write_film
+from usvjax.plots.methods import plot_methods
 from usvjax.plots.route import busiest, closeup_width, length_words, view_around
 from usvjax.search.astar import astar
 from usvjax.search.replanning import dstar_lite
 from usvjax.study import load_run, load_spec, run_study
+from usvjax.study.figures import figures_for_run
 from usvjax.study.report import terminal
 from usvkernels.status import Status
 
@@ -203,15 +206,20 @@ def test_what_the_vessel_knew_explains_its_costs(episode):
 def test_the_film_shows_every_move_until_arrival(episode, tmp_path):
     file = tmp_path / "film.gif"
     seen = []
-    replanning.animate_replanning(
-        episode, file, max_frames=5, fps=5, dpi=40, progress=lambda *at: seen.append(at)
+    write_film(
+        replanning.replanning_film(episode),
+        file,
+        max_frames=5,
+        fps=5,
+        dpi=40,
+        progress=lambda *at: seen.append(at),
     )
     with Image.open(file) as film:
         assert film.n_frames == len(seen) <= 6
     assert seen[-1][0] == seen[-1][1]
     for change, words in (({"fps": 0}, "fps is 0"), ({"dpi": 0}, "dpi is 0")):
         with pytest.raises(BadInputError, match=words):
-            replanning.animate_replanning(episode, file, **change)
+            write_film(replanning.replanning_film(episode), file, **change)
 
 
 def test_a_step_shows_what_is_known_and_what_changed(episode):
@@ -301,7 +309,7 @@ def test_methods_are_compared_on_queries_that_all_solved(run):
     table = opened.table()
     lost = table["status"] == Status.UNREACHABLE
     assert 0 < lost.sum() < len(table)
-    fig = figures.plot_methods(table, opened.methods, title="pond")
+    fig = plot_methods(table, opened.methods, compared=ROUTES, title="pond")
     solved = table.filter(pl.col("status") == Status.FOUND)["job"].n_unique()
     assert (
         fig.get_suptitle()
@@ -313,9 +321,9 @@ def test_methods_are_compared_on_queries_that_all_solved(run):
     assert ticks == ["astar", "smoothed"]
     assert_inside(fig)
     with pytest.raises(BadInputError, match="table has no column 'turns'"):
-        figures.plot_methods(table.drop("turns"), opened.methods)
+        plot_methods(table.drop("turns"), opened.methods, compared=ROUTES)
     with pytest.raises(BadInputError, match="table is empty"):
-        figures.plot_methods(table.clear(), opened.methods)
+        plot_methods(table.clear(), opened.methods, compared=ROUTES)
 
 
 def test_methods_over_several_conditions_have_a_legend():
@@ -333,8 +341,11 @@ def test_methods_over_several_conditions_have_a_legend():
         for j in range(6)
         for m in ("astar", "turning")
     ]
-    fig = figures.plot_methods(
-        pl.DataFrame(rows), ["astar", "turning"], labels={c: f"density 0.{c}" for c in range(3)}
+    fig = plot_methods(
+        pl.DataFrame(rows),
+        ["astar", "turning"],
+        compared=ROUTES,
+        labels={c: f"density 0.{c}" for c in range(3)},
     )
     assert legend_texts(fig) == ["astar", "turning"]
     ticks = [label.get_text() for label in fig.axes[3].get_xticklabels()]

@@ -8,11 +8,12 @@ import pytest
 from route_ponds import CELL, SHAPE, pond, route_study
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
+from study_fake import study_rows
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import save_map
 from usvjax.missions.route.finish import Sailing, as_it_is, through_key_points
-from usvjax.missions.route.mission import RouteWorkload
+from usvjax.missions.route.mission import MISSION
 from usvjax.missions.route.run import METHODS, SearchOptions, find_paths
 from usvjax.missions.route.scenes import RandomQueries
 from usvjax.study import load_run, load_spec, parse_spec, run_study
@@ -37,8 +38,7 @@ def spec():
 @pytest.fixture(scope="module")
 def rows(spec):
     """Results of methods on the same queries."""
-    (condition,) = spec.conditions
-    return {m: spec.workload.run(spec, condition, m, JOBS) for m in RUN}
+    return {m: study_rows(spec, m, JOBS) for m in RUN}
 
 
 def oracle(blocked, start, goal):
@@ -61,7 +61,7 @@ def oracle(blocked, start, goal):
 
 
 def test_lengths_and_endings_agree_with_dijkstra(spec, rows):
-    drawn = spec.conditions[0].payload.source.draw(4, JOBS)
+    drawn = spec.conditions[0].case.given.source.draw(4, JOBS)
     wanted = np.array([oracle(drawn.blocked[j], drawn.starts[j], drawn.goals[j]) for j in JOBS])
     unreachable = np.isinf(wanted)
     assert 0 < unreachable.sum() < len(JOBS)
@@ -131,7 +131,7 @@ def test_a_grid_route_turns_by_45_degrees_a_whole_number_of_times(rows):
 @pytest.mark.parametrize("method", ["smoothed", "bspline"])
 def test_a_route_is_the_same_alone_as_among_others(spec, rows, method):
     some = np.array([3, 17])
-    alone = spec.workload.run(spec, spec.conditions[0], method, some)
+    alone = study_rows(spec, method, some)
     for name, values in rows[method].items():
         np.testing.assert_array_equal(
             np.float32(values[some]), np.float32(alone[name]), err_msg=name
@@ -140,7 +140,7 @@ def test_a_route_is_the_same_alone_as_among_others(spec, rows, method):
 
 def test_a_bound_on_expansions_ends_a_search_and_spoils_no_ratio(spec):
     bounded = parse_spec(route_study(search={"max_expansions": 12}))
-    run = bounded.workload.run(bounded, bounded.conditions[0], "astar", JOBS)
+    run = study_rows(bounded, "astar", JOBS)
     gave_up = run["status"] == Status.OUT_OF_BUDGET
     assert 0 < gave_up.sum() < len(JOBS)
     assert np.isfinite(run["ratio"][run["status"] == Status.FOUND]).all()
@@ -198,15 +198,15 @@ def test_a_study_of_a_grid_names_its_map_and_digest(tmp_path):
     save_map(pond(), tmp_path / "pond.map")
     study = route_study(maps={"source": "grid", "map": "pond.map", "min_distance": 300.0})
     (condition,) = parse_spec(study, folder=tmp_path).conditions
-    assert list(condition.inputs) == ["pond.map"]
-    assert condition.settings["maps"]["ends"] == "harbours"
-    assert condition.payload.turning_radius == 6.0
-    assert condition.payload.source.chart == pond()
+    assert list(condition.case.inputs) == ["pond.map"]
+    assert condition.case.settings["maps"]["ends"] == "harbours"
+    assert condition.case.given.turning_radius == 6.0
+    assert condition.case.given.source.chart == pond()
 
 
 def test_the_turning_radius_is_one_cell_by_default():
     (condition,) = parse_spec(route_study(smoothing={})).conditions
-    assert condition.settings["smoothing"]["turning_radius"] == CELL
+    assert condition.case.settings["smoothing"]["turning_radius"] == CELL
 
 
 @pytest.mark.parametrize("name", ["route_hongze", "route_random"])
@@ -214,7 +214,7 @@ def test_shipped_studies_can_be_read(name, request):
     spec = load_spec(request.config.rootpath / "studies" / f"{name}.toml")
     assert spec.name == name
     assert spec.baseline == "astar"
-    assert all(c.settings["search"]["turn_cost"] == 0.5 for c in spec.conditions)
+    assert all(c.case.settings["search"]["turn_cost"] == 0.5 for c in spec.conditions)
 
 
 @pytest.mark.parametrize(
@@ -271,7 +271,7 @@ def test_wrong_types_are_refused():
         parse_spec(route_study(maps={"source": 3}))
 
 
-def test_methods_of_the_workload_are_those_of_the_table():
-    assert RouteWorkload.methods == tuple(METHODS)
+def test_methods_of_the_mission_are_those_of_the_table():
+    assert list(MISSION.methods) == list(METHODS)
     with pytest.raises(BadInputError, match="unknown method 'smooth' in 'methods'"):
         parse_spec(route_study(methods=["smooth"]))

@@ -1,13 +1,13 @@
-"""The figures of a run of kind "cruise"."""
+"""The figures of the mission "cruise"."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
+from usvjax.mission import Replay
 from usvjax.missions.cruise import CruiseResult
 from usvjax.missions.cruise.chart import duration_words, plot_cruise
 from usvjax.missions.cruise.itinerary import itinerary
@@ -15,33 +15,37 @@ from usvjax.missions.cruise.methods import (
     Posed,
     first_map,
     leg_lengths,
-    pose,
-    sail,
     shortest_tours,
     tour_lengths,
 )
-from usvjax.missions.cruise.mission import CruiseCondition
 from usvjax.missions.cruise.orders import DISTANCES
-from usvjax.missions.route.figures import Comparison, Panel, method_pages
-from usvjax.plots.distributions import both_reached
+from usvjax.plots.methods import Comparison, Panel, method_pages
 from usvjax.plots.route import length_words
 from usvjax.plots.style import status_name
 from usvjax.study import Run
-from usvjax.study.replays import check_same, payload_of, rows_of
 from usvkernels.status import Status
 
 _KILOMETRES_FROM_M, _HOURS_FROM_S = 5000.0, 7200.0
 
 
-def cruise_figures(
-    run: Run, table: pl.DataFrame, max_examples: int, max_paths: int, folder: Path | None
-) -> Iterator[tuple[str, Figure | pl.DataFrame]]:
-    """Yield (name, figure or table) of a run, the cheap ones first; see `figures_for_run`."""
-    yield from method_pages(run, table, _comparison(table))
-    for condition in range(min(max_examples, len(run.settings))):
-        mine = table.filter(pl.col("condition") == condition)
-        if not mine.is_empty():
-            for drawn in _example(run, mine, condition, folder):
+def cruise_figures(run: Run, replay: Replay) -> Iterator[tuple[str, Figure | pl.DataFrame]]:
+    """Yield (name, figure or table) of a run, the cheap ones first.
+
+    How the methods compare ("methods"), and of each of the first conditions the cruise of median
+    length on its chart ("cruise"), with its itinerary as a table (see `itinerary`).
+    """
+    table = run.table()
+    yield from method_pages(
+        table,
+        run.methods,
+        compared=_comparison(table),
+        labels=run.labels,
+        confidence=run.level,
+        title=run.name,
+    )
+    for condition in range(min(replay.examples, len(run.settings))):
+        if not table.filter(pl.col("condition") == condition).is_empty():
+            for drawn in _example(run, replay, condition):
                 yield f"cruise-c{condition}", drawn
 
 
@@ -63,20 +67,12 @@ def _comparison(table: pl.DataFrame) -> Comparison:
     return Comparison(Status.REACHED, panels, "cruises that every method completed")
 
 
-def _example(
-    run: Run, table: pl.DataFrame, condition: int, folder: Path | None
-) -> tuple[Figure, pl.DataFrame]:
+def _example(run: Run, replay: Replay, condition: int) -> tuple[Figure, pl.DataFrame]:
     """The typical cruise of a condition under the first method, and its itinerary."""
-    payload: CruiseCondition = payload_of(run, condition, folder)
     method = run.methods[0]
-    job, why = typical_cruise(table, method)
-    seed = int(run.manifest["study"]["seed"])
-    posed = pose(payload.waters, payload.options, seed, np.asarray([job], np.int64))
-    sailed = sail(posed, method)
-    rows = rows_of(run, table, condition, method, [job])
-    same = rows["status"].to_numpy() == sailed.status
-    same &= rows["expanded"].to_numpy() == np.float32(sailed.expanded)
-    check_same(run, same, posed.jobs)
+    job, why = replay.example(condition)
+    replayed = replay(condition, method, [job])
+    (posed,), (sailed,) = replayed.scene, replayed.recording.detail
     head = run.labels[condition]
     if not head.startswith(run.name):
         head = f"{run.name}: {head}"
@@ -130,21 +126,3 @@ def _straight_tour(posed: Posed, legs: Mapping[str, np.ndarray]) -> tuple[np.nda
     tour = shortest_tours(posed.seed, posed.jobs, legs["straight"], "recommended")
     across, along = (length_words(float(tour_lengths(legs[d], tour)[0])) for d in DISTANCES)
     return tour[0], f"shortest tour in straight lines: {across}, from cell to cell {along}"
-
-
-def typical_cruise(table: pl.DataFrame, method: str) -> tuple[int, str]:
-    """Choose the cruise to show of one condition, by a rule rather than by eye.
-
-    Args:
-        table: Rows of one condition.
-        method: Whose cruise is shown.
-
-    Returns:
-        The job, and why: the one with the median length among the cruises that every method
-        completed; the first cruise where there is none.
-    """
-    kept = both_reached(table, Status.REACHED).filter(pl.col("method") == method)
-    if kept.is_empty():
-        return int(table["job"].min()), "no cruise that every method completed"  # type: ignore[arg-type]
-    ordered = kept.sort("smooth_length", "job")["job"]
-    return int(ordered[(len(ordered) - 1) // 2]), "median length"

@@ -85,6 +85,19 @@ class CruiseOptions:
 
 
 @dataclass(frozen=True)
+class CruiseCase:
+    """One condition.
+
+    Attributes:
+        waters: draws the maps and stations.
+        options: of the cruises.
+    """
+
+    waters: Waters
+    options: CruiseOptions
+
+
+@dataclass(frozen=True)
 class Posed:
     """Cruises of jobs that follow one another, before they are sailed.
 
@@ -142,10 +155,10 @@ def pose(waters: Waters, options: CruiseOptions, seed: int, jobs: np.ndarray) ->
     return Posed(waters, options, seed, jobs, sites, legs)
 
 
-def first_map(posed: Posed) -> GridMap:
-    """The map of the first cruise; a shared one as it was before it was inflated."""
+def first_map(posed: Posed, row: int = 0) -> GridMap:
+    """The first map of a cruise; a shared one as it was before it was inflated."""
     waters = posed.waters
-    return waters.chart or GridMap(posed.sites.blocked[0], waters.cell_size, waters.origin)
+    return waters.chart or GridMap(posed.sites.blocked[row], waters.cell_size, waters.origin)
 
 
 def leg_lengths(sites: Sites, cell_size: float, options: CruiseOptions) -> np.ndarray:

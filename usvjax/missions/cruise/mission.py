@@ -1,33 +1,43 @@
-"""Studies of kind "cruise": methods of visiting several stations in water that changes.
+"""The mission "cruise": methods of visiting several stations in water that changes.
 
-`[maps]` says where cruises take place (`source = "random"` or "grid"), `[cruise]` holds what
-happens under way. Methods are the keys of `usvjax.missions.cruise.methods.METHODS`.
+`[maps]` says where cruises take place, `[cruise]` holds what happens under way. Methods are the
+keys of `usvjax.missions.cruise.methods.METHODS`.
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from enum import IntEnum
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from usvjax.maps.tables import read_map, read_source, saying_where
-from usvjax.mission import LastShard, Metric, Prepared
+from usvjax.mission import (
+    Case,
+    Files,
+    Ground,
+    Metric,
+    Outcome,
+    Recording,
+    Replay,
+    Replayed,
+    Track,
+)
 from usvjax.missions.cruise.methods import (
     METHODS,
+    CruiseCase,
     CruiseOptions,
     Posed,
     check_options,
+    first_map,
     pose,
     sail,
     tour_lengths,
 )
+from usvjax.missions.cruise.result import CruiseResult
 from usvjax.missions.cruise.scenes import STATIONS, GridWaters, Lake, RandomWaters, Waters
-from usvjax.sections import Sections
-from usvjax.study.spec import Condition, StudySpec
-from usvjax.tables import field_names, read_table
+from usvjax.sections import Table
+from usvjax.tables import read_table
 from usvkernels.status import CRUISE_ENDINGS, Status
 
 Options = RandomWaters | GridWaters
@@ -35,30 +45,17 @@ Options = RandomWaters | GridWaters
 _SOURCES: dict[str, type[Options]] = {"random": RandomWaters, "grid": GridWaters}
 
 
-@dataclass(frozen=True)
-class CruiseCondition:
-    """One condition of a study of cruises.
+class CruiseMission:
+    """Sail cruises; see `usvjax.mission.Mission`."""
 
-    Attributes:
-        waters: draws the maps and stations.
-        options: of the cruises.
-    """
-
-    waters: Waters
-    options: CruiseOptions
-
-
-class CruiseWorkload:
-    """Sail cruises for a study; see `usvjax.mission.Workload`."""
-
-    sections: Sections = MappingProxyType(
+    tables = MappingProxyType(
         {
-            "maps": ("source", *field_names(*_SOURCES.values())),
-            "cruise": field_names(CruiseOptions),
+            "maps": Table("where cruises take place", _SOURCES, choice="source", default="random"),
+            "cruise": Table("what happens under way", {"": CruiseOptions}),
         }
     )
-    methods: tuple[str, ...] = tuple(METHODS)
-    metrics: tuple[Metric, ...] = (
+    methods = MappingProxyType({name: method.words for name, method in METHODS.items()})
+    metrics = (
         Metric("tour_length", "m", "Tour length"),
         Metric("length", "m", "Track length"),
         Metric("smooth_length", "m", "Smoothed length"),
@@ -71,50 +68,63 @@ class CruiseWorkload:
         Metric("expanded", "", "Expanded"),
         Metric("replanned", "", "Replanned", integer=True),
     )
-    endings: tuple[IntEnum, ...] = CRUISE_ENDINGS
-    success: IntEnum = Status.REACHED
+    endings = CRUISE_ENDINGS
 
-    def __init__(self) -> None:
-        self._last: LastShard[list[Posed]] = LastShard()
-
-    def prepare(
-        self, settings: Mapping[str, Mapping[str, Any]], folder: Path, where: str
-    ) -> Prepared:
-        """Check one condition; see `Workload.prepare`."""
-        place = f"{where}: [maps]"
-        name, table, waters, inputs = _read_maps(settings["maps"], folder, place)
+    def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
+        """Check one condition; see `Mission.case`."""
+        place = files.table("maps")
+        name, table, waters, inputs = _read_maps(tables["maps"], files)
         with saying_where(place):
             waters.check(place)
-        options = read_table(CruiseOptions, settings["cruise"], f"{where}: [cruise]")
-        with saying_where(f"{where}: [cruise]"):
+        options = read_table(CruiseOptions, tables["cruise"], files.table("cruise"))
+        with saying_where(files.table("cruise")):
             refusals = check_options(waters, options)
         in_force = {"maps": {"source": name, **asdict(table)}, "cruise": asdict(options)}
-        payload = CruiseCondition(waters, options)
-        return Prepared(in_force, inputs, payload, refusals=refusals)
+        return Case(in_force, inputs, CruiseCase(waters, options), refusals=refusals)
 
-    def run(
-        self, spec: StudySpec, condition: Condition, method: str, jobs: np.ndarray
-    ) -> dict[str, np.ndarray]:
-        """Sail cruises; see `Workload.run`."""
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> list[Posed]:
+        """Draw maps and stations, in parts whose jobs follow one another; see `Mission.pose`."""
+        given: CruiseCase = case.given
+        parts = np.split(jobs, np.flatnonzero(np.diff(jobs) != 1) + 1)
+        return [pose(given.waters, given.options, seed, part) for part in parts]
+
+    def run(self, scene: list[Posed], method: str, record: bool = False) -> Outcome:
+        """Sail cruises; see `Mission.run`."""
+        sailed = [sail(posed, method) for posed in scene]
         parts = [
-            _columns(posed, method, self.metrics)
-            for posed in self._posed(condition.payload, spec.seed, jobs)
+            _columns(posed, cruises, method, self.metrics)
+            for posed, cruises in zip(scene, sailed, strict=True)
         ]
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        return Outcome(columns, _recorded(scene, sailed) if record else None)
 
-    def _posed(self, given: CruiseCondition, seed: int, jobs: np.ndarray) -> list[Posed]:
-        """The cruises of jobs, in parts whose jobs follow one another."""
+    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
+        """The cruise to show; see `Mission.example`."""
+        from usvjax.plots.examples import median_job
 
-        def drawn() -> list[Posed]:
-            parts = np.split(jobs, np.flatnonzero(np.diff(jobs) != 1) + 1)
-            return [pose(given.waters, given.options, seed, part) for part in parts]
+        what = "cruise that every method completed"
+        return median_job(rows, methods[0], "smooth_length", Status.REACHED, what)
 
-        return self._last.get(given, seed, jobs, drawn)
+    def figures(self, run: Any, replay: Replay) -> Iterator[tuple[str, Any]]:
+        """Draw a run; see `Mission.figures`."""
+        from usvjax.missions.cruise.figures import cruise_figures
+
+        return cruise_figures(run, replay)
+
+    def film(self, replayed: Replayed, row: int) -> Any:
+        """A vessel on its cruise; see `Mission.film`."""
+        from usvjax.plots.tracks import film_of
+
+        return film_of(replayed, row)
 
 
-def _columns(posed: Posed, method: str, metrics: tuple[Metric, ...]) -> dict[str, np.ndarray]:
+MISSION = CruiseMission()
+
+
+def _columns(
+    posed: Posed, sailed: CruiseResult, method: str, metrics: tuple[Metric, ...]
+) -> dict[str, np.ndarray]:
     """Status and metrics, array[J] each."""
-    sailed = sail(posed, method)
     columns = {
         "status": sailed.status,
         "tour_length": tour_lengths(posed.legs, posed.order(method)),
@@ -124,14 +134,31 @@ def _columns(posed: Posed, method: str, metrics: tuple[Metric, ...]) -> dict[str
     return {**columns, **others}
 
 
+def _recorded(scene: list[Posed], sailed: list[CruiseResult]) -> Recording:
+    """The tracks from cell to cell; the detail is the cruises of each part."""
+    grounds, tracks = [], []
+    for posed, cruises in zip(scene, sailed, strict=True):
+        for row, steps in enumerate(cruises.steps):
+            grid = first_map(posed, row)
+            stations = grid.points_of(posed.sites.stations[row])
+            marks = {"home": stations[:1], "station": stations[1:]}
+            grounds.append(Ground(grid, np.empty((0, 2)), 0.0, marks))
+            places = grid.points_of(cruises.track[row, : steps + 1])
+            step = np.hypot(*np.diff(places, axis=0).T)
+            time = np.where(step > 0, step, grid.cell_size) / posed.options.speed
+            tracks.append(Track(np.append(0.0, np.cumsum(time)), "s", places[:, None]))
+    return Recording(tuple(grounds), tuple(tracks), sailed)
+
+
 def _read_maps(
-    table: Mapping[str, Any], folder: Path, where: str
+    table: Mapping[str, Any], files: Files
 ) -> tuple[str, Options, Waters, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    name, options = read_source(table, _SOURCES, "random", where)
+    place = files.table("maps")
+    name, options = read_source(table, _SOURCES, "random", place)
     if isinstance(options, RandomWaters):
         return name, options, options, {}
     if options.stations is None and options.places is None:
         options = replace(options, stations=STATIONS)
-    grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)
+    grid, digest = read_map(options.map, options.cell_size, options.refine, files.folder, place)
     return name, options, Lake(grid, options), {options.map: digest}

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.plots import base_map, style
+from usvjax.plots.film import Film
 from usvjax.plots.paths import (
     clean_points,
     clean_track,
@@ -258,6 +259,20 @@ class _Fan:
         self._best.set_data(*best.T)
         self._track.set_data(*past[:, :2].T)
         self._hull.set_xy(_hull(past[-1], size))
+
+
+def decision_film(episode: Episode, decide: Decide) -> Film:
+    """An episode as a film of its decisions.
+
+    Args:
+        episode: What to show.
+        decide: From a state to the decision taken there.
+
+    Raises:
+        BadInputError: The trajectory is not float[T, 5] or has no finite state.
+    """
+    view = EpisodeView(episode, decide)
+    return Film(view.fig, len(view.states), view.show)
 
 
 def plot_decision(episode: Episode, decide: Decide, step: int) -> Figure:

@@ -1,123 +1,60 @@
-"""The figures of a run, chosen by what the study varies and where its episodes take place."""
+"""The figures of the mission "dwa", chosen by what a study varies and where its episodes are."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from usvjax.errors import BadInputError
-from usvjax.missions.cruise.figures import cruise_figures
-from usvjax.missions.route.figures import route_figures
-from usvjax.plots import style
+from usvjax.mission import Replay, Replayed
+from usvjax.missions.dwa.decision import Decide, Episode, decision_film
+from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.posed import DwaPosed
+from usvjax.missions.dwa.run import DwaCandidates, NavigateResult, dwa_candidates
 from usvjax.plots.base_map import View
 from usvjax.plots.chart import detail, plot_chart
 from usvjax.plots.distributions import both_reached, plot_distributions
-from usvjax.plots.paths import plot_paths
+from usvjax.plots.examples import middle_job, spread_jobs
+from usvjax.plots.film import Film
+from usvjax.plots.paths import Outcome, plot_paths
 from usvjax.plots.rates import plot_success
-from usvjax.study import Run, load_run
-from usvjax.study.looks import look_level, look_schedule
-from usvjax.study.replays import Replay, replay
+from usvjax.study import Run
 
-FOLDER = "figures"
-MAX_EXAMPLES = 4
-MAX_PATHS = 200
 MOST_CONDITIONS = 24
 """Conditions of one figure; a study with more has several of its kind."""
 
 _AXES = {"params.radius", "maps.rate"}
 
+FloatArray = NDArray[np.float64]
 
-def figures_for_run(
-    run_dir: str | Path,
-    *,
-    formats: tuple[str, ...] = (".png",),
-    max_examples: int = MAX_EXAMPLES,
-    max_paths: int = MAX_PATHS,
-    folder: Path | None = None,
-    on_written: Callable[[Path], None] | None = None,
-) -> list[Path]:
-    """Draw the figures of a run into its folder "figures".
+
+def dwa_figures(run: Run, replay: Replay) -> Iterator[tuple[str, Figure]]:
+    """Yield (name, figure) of a run, the cheap ones first.
 
     - success: rates of every ending, against radius and obstacle rate where the study varies
       just these;
     - distributions: time and length over the episodes in which all methods reached;
     - of each of the first conditions, episodes simulated again: on obstacle maps the paths of
       all methods on one map ("paths"), on a chart many trajectories by outcome, per method
-      ("chart"), and the part of it in which most failed ("detail");
-    - of a study of routes instead: how the methods compare ("methods"), and of each of the first
-      conditions one query under all methods ("routes"), its curvature ("curvature") and, where
-      all share a map, many routes on it ("chart");
-    - of a study of cruises: how the methods compare ("methods"), and of each of the first
-      conditions the cruise of median length on its chart ("cruise"), with its itinerary as a
-      table beside it (.csv; see `usvjax.missions.cruise.itinerary.itinerary`).
-
-    The example on an obstacle map is not picked by eye: of the episodes in which all methods
-    reached and took different times, it is the one with the median difference.
-
-    Args:
-        run_dir: Directory that `usvjax study` wrote; the run may be unfinished.
-        formats: Suffixes to write, of ".png", ".pdf" and ".svg".
-        max_examples: Conditions to simulate again; 0 simulates nothing.
-        max_paths: Trajectories of a chart.
-        folder: What a map file named by the study is relative to; the working directory when
-            None. Packaged maps need none.
-        on_written: Called with every file as soon as it is there.
-
-    Returns:
-        The files written.
-
-    Raises:
-        BadInputError: It is no run, it has no episodes yet, a format is unknown, its episodes
-            cannot be had back (see `usvjax.study.replays.replay`), or the folder cannot be
-            written. What was drawn before stays.
+      ("chart"), and the part of it in which most failed ("detail").
     """
-    if not formats:
-        raise BadInputError("formats is empty; at least one of .png, .pdf, .svg was wanted")
-    for suffix in formats:
-        style.check_suffix(Path(f"figure{suffix}"), style.FORMATS)
-    for name, value, least in (("max_examples", max_examples, 0), ("max_paths", max_paths, 1)):
-        if value < least:
-            raise BadInputError(f"{name} is {value}; at least {least} was wanted")
-    run = load_run(run_dir)
     table = run.table()
-    written = []
-    kinds = {"route": route_figures, "cruise": cruise_figures}
-    figures = kinds.get(run.manifest["study"]["kind"], _figures)
-    for name, drawn in figures(run, table, max_examples, max_paths, folder):
-        for suffix in formats if isinstance(drawn, Figure) else (".csv",):
-            written.append(_saved(drawn, run.path / FOLDER / f"{name}{suffix}"))
-            if on_written is not None:
-                on_written(written[-1])
-    return written
-
-
-def _saved(drawn: Figure | pl.DataFrame, path: Path) -> Path:
-    if isinstance(drawn, Figure):
-        return style.save(drawn, path)
-    return style.write_atomically(path, lambda into: drawn.write_csv(into, float_precision=1))
-
-
-def _figures(
-    run: Run, table: pl.DataFrame, max_examples: int, max_paths: int, folder: Path | None
-) -> Iterator[tuple[str, Figure]]:
-    """Yield (name, figure), the cheap ones first."""
     for page, part in _pages(table):
         yield f"success{page}", _success(run, part)
     for page, part in _pages(table):
         if not both_reached(part).is_empty():
             fig = plot_distributions(part, labels=run.labels, title=run.name)
             yield f"distributions{page}", fig
-    for condition in range(min(max_examples, len(run.settings))):
+    for condition in range(min(replay.examples, len(run.settings))):
         mine = table.filter(pl.col("condition") == condition)
         if mine.is_empty():
             continue
         if run.settings[condition]["maps"]["source"] == "grid":
-            yield from _charts(run, mine, condition, max_paths, folder)
+            yield from _charts(run, replay, mine, condition)
         else:
-            yield f"paths-c{condition}", _example(run, mine, condition, folder)
+            yield f"paths-c{condition}", _example(run, replay, condition)
 
 
 def _pages(table: pl.DataFrame) -> Iterator[tuple[str, pl.DataFrame]]:
@@ -132,45 +69,42 @@ def _success(run: Run, table: pl.DataFrame) -> Figure:
     # Against radius and rate only where nothing else tells conditions apart.
     by_axes = all(set(varied) <= _AXES for varied in run.varied)
     settings = list(enumerate(run.settings)) if by_axes else []
-    study = run.manifest["study"]
-    looks = look_schedule(study["episodes"], study["shard"], study["until"])
     return plot_success(
         table,
         radius={c: s["params"]["radius"] for c, s in settings},
         rate={c: s["maps"]["rate"] for c, s in settings if "rate" in s["maps"]},
         labels=run.labels,
-        confidence=look_level(study["confidence"], len(looks)),
+        confidence=run.level,
         title=run.name,
     )
 
 
 def _charts(
-    run: Run, table: pl.DataFrame, condition: int, max_paths: int, folder: Path | None
+    run: Run, replay: Replay, table: pl.DataFrame, condition: int
 ) -> Iterator[tuple[str, Figure]]:
     for method in run.methods:
-        mine = table.filter(pl.col("method") == method).sort("job")
+        mine = table.filter(pl.col("method") == method)
         if mine.is_empty():
             continue
-        # Evenly over the jobs, which are independent draws: no ending is preferred.
-        rows = np.unique(np.linspace(0, len(mine) - 1, min(max_paths, len(mine))).astype(int))
-        jobs = mine["job"].to_numpy()[rows]
-        found = replay(run, table, condition, method, jobs.tolist(), folder=folder)
+        found = replay(condition, method, spread_jobs(mine, replay.most))
         name = f"chart-c{condition}-{method}"
         yield name, _chart(run, found, None, len(mine))
-        assert found.grid_map is not None
-        width = _detail_width(found)
-        view = detail(found.grid_map, found.trajectories, found.result.status, width)
+        posed: DwaPosed = found.scene
+        assert posed.grid_map is not None
+        width = _detail_width(posed)
+        view = detail(posed.grid_map, _trajectories(found), found.columns["status"], width)
         if view is not None:
             yield f"{name}-detail", _chart(run, found, view, len(mine))
 
 
-def _chart(run: Run, found: Replay, view: View | None, episodes: int) -> Figure:
-    assert found.grid_map is not None
+def _chart(run: Run, found: Replayed, view: View | None, episodes: int) -> Figure:
+    posed: DwaPosed = found.scene
+    assert posed.grid_map is not None
     title = found.label if found.label.startswith(run.name) else f"{run.name}, {found.label}"
     return plot_chart(
-        found.grid_map,
-        found.trajectories,
-        found.result.status,
+        posed.grid_map,
+        _trajectories(found),
+        found.columns["status"],
         max_paths=len(found.jobs),
         sampled_from=episodes,
         view=view,
@@ -178,30 +112,42 @@ def _chart(run: Run, found: Replay, view: View | None, episodes: int) -> Figure:
     )
 
 
-def _detail_width(found: Replay) -> float:
+def _trajectories(found: Replayed) -> FloatArray:
+    """float[J, T, 5]: x, y (m), psi (rad), v (m/s), w (rad/s)."""
+    result: NavigateResult = found.recording.detail
+    assert result.trajectory is not None
+    return result.trajectory
+
+
+def _detail_width(posed: DwaPosed) -> float:
     """Twice the longest straight way from start to goal, m: paths show their shape."""
-    way = found.scenarios.goals - found.scenarios.starts[:, :2]
+    way = posed.scenes.goals - posed.scenes.starts[:, :2]
     return 2.0 * float(np.hypot(*way.T).max())
 
 
-def _example(run: Run, table: pl.DataFrame, condition: int, folder: Path | None) -> Figure:
-    job, why = typical_job(table, run.methods)
-    found = {m: replay(run, table, condition, m, [job], folder=folder) for m in run.methods}
-    first = next(iter(found.values()))
+def _example(run: Run, replay: Replay, condition: int) -> Figure:
+    job, why = replay.example(condition)
+    found = {m: replay(condition, m, [job]) for m in run.methods}
+    posed: DwaPosed = found[run.methods[0]].scene
     return plot_paths(
-        first.circles(0),
-        float(first.params.radius),
-        {m: _track(r) for m, r in found.items()},
-        first.scenarios.starts[0],
-        first.scenarios.goals[0],
-        outcomes={m: r.outcome(0) for m, r in found.items()},
-        goal_tolerance=float(first.params.goal_tolerance),
+        posed.circles(0),
+        float(posed.params.radius),
+        {m: r.recording.tracks[0].places[:, 0] for m, r in found.items()},
+        posed.scenes.starts[0],
+        posed.scenes.goals[0],
+        outcomes={m: _outcome(r.recording.detail) for m, r in found.items()},
+        goal_tolerance=float(posed.params.goal_tolerance),
         title=f"{run.labels[condition]}, job {job}\n({why})",
     )
 
 
-def _track(found: Replay) -> Any:
-    return found.trajectories[0, : int(found.result.steps[0]) + 1]
+def _outcome(result: NavigateResult) -> Outcome:
+    """How the first episode ended."""
+    return Outcome(
+        status=int(result.status[0]),
+        time=float(result.time[0]),
+        path_length=float(result.path_length[0]),
+    )
 
 
 def typical_job(table: pl.DataFrame, methods: list[str]) -> tuple[int, str]:
@@ -227,10 +173,46 @@ def typical_job(table: pl.DataFrame, methods: list[str]) -> tuple[int, str]:
     both = both.with_columns(gap=pl.col("time_last") - pl.col("time"))
     differing = both.filter(pl.col("gap") != 0)
     if differing.is_empty():
-        return _median_job(both, "time"), "median time"
-    return _median_job(differing, "gap"), "median difference in time"
+        return middle_job(both, "time"), "median time"
+    return middle_job(differing, "gap"), "median difference in time"
 
 
-def _median_job(table: pl.DataFrame, column: str) -> int:
-    """Return the job at the lower median of a column, the lowest number among equals."""
-    return int(table.sort(column, "job")["job"][(len(table) - 1) // 2])
+def episode_film(replayed: Replayed, row: int) -> Film:
+    """An episode with its dynamic window: the candidates of every decision by score."""
+    return decision_film(_episode(replayed, row), decide_of(replayed, row))
+
+
+def _episode(replayed: Replayed, row: int) -> Episode:
+    posed: DwaPosed = replayed.scene
+    result: NavigateResult = replayed.recording.detail
+    return Episode(
+        trajectory=_trajectories(replayed)[row],
+        goal=posed.scenes.goals[row],
+        obstacles=posed.circles(row),
+        radius=float(posed.params.radius),
+        dt=float(posed.params.dt),
+        goal_tolerance=float(posed.params.goal_tolerance),
+        status=int(result.status[row]),
+        steps=int(result.steps[row]),
+        grid_map=posed.grid_map,
+        title=f"{replayed.label}, job {replayed.jobs[row]}",
+    )
+
+
+def decide_of(replayed: Replayed, row: int) -> Decide:
+    """The function from a state of one episode to the decision taken there."""
+    posed: DwaPosed = replayed.scene
+    params, static = posed.params, replace(posed.static, method=replayed.method)
+    starts, goals = posed.scenes.starts[row], posed.scenes.goals[row]
+    seen = posed.circles(row) if posed.grid_map is None else posed.grid_map
+    scene = set_scene(seen, starts, goals, None, params, static, None)
+    origin, goal = scene.origin, scene.goal[0]
+
+    # As the kernel does, in the map's frame: single precision is too coarse in the world's.
+    def decision(state: FloatArray) -> DwaCandidates:
+        state = np.concatenate([state[:2] - origin, state[2:]])
+        near = scene.sensed(state[None, :2])[0].T
+        found = dwa_candidates(near, state, goal, params=params, static=static)
+        return replace(found, end=found.end + origin, paths=found.paths + origin)
+
+    return decision

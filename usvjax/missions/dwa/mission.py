@@ -1,14 +1,11 @@
-"""Studies of kind "dwa": closed-loop episodes of the dynamic window approach.
+"""The mission "dwa": closed-loop episodes of the dynamic window approach.
 
-`[maps]` says where episodes take place (`source = "lattice"`, "random" or "grid"), `[params]`
-holds `usvkernels.dwa.params.DwaParams` and may start from a `preset`, `[static]` holds
-`usvkernels.dwa.params.DwaStatic`. The study's `methods` take the place of `static.method`.
+`[maps]` says where episodes take place, `[params]` holds `DwaParams` and may start from a preset,
+`[static]` holds `DwaStatic`. The study's `methods` take the place of `static.method`.
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
-from enum import IntEnum
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, fields, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -16,17 +13,27 @@ import numpy as np
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.tables import read_map, read_source, saying_where
-from usvjax.mission import Metric, Prepared
+from usvjax.mission import (
+    Case,
+    Files,
+    Ground,
+    Metric,
+    Outcome,
+    Recording,
+    Replay,
+    Replayed,
+    Track,
+)
 from usvjax.missions.dwa.inputs import set_scene
-from usvjax.missions.dwa.presets import check_dwa, fit_window, preset
-from usvjax.missions.dwa.run import navigate_dwa
+from usvjax.missions.dwa.posed import DwaCase, DwaPosed
+from usvjax.missions.dwa.presets import PRESETS, check_dwa, fit_window, preset
+from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
 from usvjax.missions.dwa.scenes import LatticeMaps, RandomMaps, Source
 from usvjax.missions.dwa.water import GridMaps, Water
-from usvjax.sections import Sections
-from usvjax.study.spec import Condition, StudySpec
-from usvjax.tables import check_keys, field_names, read_values
+from usvjax.sections import Table
+from usvjax.tables import check_keys, read_values
 from usvkernels.dwa.params import DwaParams, DwaStatic
-from usvkernels.status import EPISODE_ENDINGS, Status
+from usvkernels.status import EPISODE_ENDINGS
 
 DEFAULT_PRESET = "tan2022"
 
@@ -37,89 +44,121 @@ _SOURCES: dict[str, type[LatticeMaps] | type[RandomMaps] | type[GridMaps]] = {
 }
 
 
-@dataclass(frozen=True)
-class DwaCondition:
-    """One condition of a DWA study.
+class DwaMission:
+    """Navigate under DWA; see `usvjax.mission.Mission`."""
 
-    Attributes:
-        source: draws the scenarios.
-        params, static: of the method; `static.method` is set per run.
-    """
-
-    source: Source
-    params: DwaParams
-    static: DwaStatic
-
-
-class DwaWorkload:
-    """Run DWA episodes for a study; see `usvjax.mission.Workload`."""
-
-    sections: Sections = MappingProxyType(
+    tables = MappingProxyType(
         {
-            "maps": ("source", *field_names(*_SOURCES.values())),
-            "params": ("preset", *field_names(DwaParams)),
-            # The study's own `methods` take the place of this one.
-            "static": tuple(name for name in field_names(DwaStatic) if name != "method"),
+            "maps": Table(
+                "where episodes take place", _SOURCES, choice="source", default="lattice"
+            ),
+            "params": Table(
+                "numbers of the method and of the vessel",
+                {"": DwaParams},
+                extra={"preset": f"the set to start from; one of {', '.join(PRESETS)}."},
+            ),
+            "static": Table("sizes and choices of method", {"": DwaStatic}, without=("method",)),
         }
     )
-    methods: tuple[str, ...] = ("traditional", "improved")
-    metrics: tuple[Metric, ...] = (
+    methods = MappingProxyType(
+        {
+            "traditional": "every obstacle counts (Fox et al. 1997)",
+            "improved": "only obstacles in a search sector count (Tan et al. 2022)",
+        }
+    )
+    metrics = (
         Metric("time", "s", "Time"),
         Metric("path_length", "m", "Path length"),
         Metric("mean_speed", "m/s", "Mean speed"),
         Metric("min_clearance", "m", "Min clearance"),
         Metric("steps", "", "Steps", integer=True, summarised=False),
     )
-    endings: tuple[IntEnum, ...] = EPISODE_ENDINGS
-    success: IntEnum = Status.REACHED
+    endings = EPISODE_ENDINGS
 
-    def prepare(
-        self, settings: Mapping[str, Mapping[str, Any]], folder: Path, where: str
-    ) -> Prepared:
-        """Check one condition; see `Workload.prepare`."""
-        params, static = _read_method(settings["params"], settings["static"], where)
-        place = f"{where}: [maps]"
-        name, options, source, inputs = _read_maps(settings["maps"], folder, place)
+    def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
+        """Check one condition; see `Mission.case`."""
+        params, static = _read_method(tables["params"], tables["static"], files)
+        place = files.table("maps")
+        name, options, source, inputs = _read_maps(tables["maps"], files)
         source.check(float(params.radius), place)
         source.check_outside_goal(float(params.goal_tolerance), place)
         with saying_where(place):
-            _try_scenarios(source, params, static)
+            _try_scenes(source, params, static)
         in_force = {
             "maps": {"source": name, **asdict(options)},
             "params": asdict(params),
             "static": {k: v for k, v in asdict(static).items() if k != "method"},
         }
-        return Prepared(in_force, inputs, DwaCondition(source, params, static))
+        return Case(in_force, inputs, DwaCase(source, params, static))
 
-    def run(
-        self, spec: StudySpec, condition: Condition, method: str, jobs: np.ndarray
-    ) -> dict[str, np.ndarray]:
-        """Run episodes; see `Workload.run`."""
-        given: DwaCondition = condition.payload
-        scenarios = given.source.draw(spec.seed, jobs, float(given.params.radius))
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> DwaPosed:
+        """Draw maps, starts and goals; see `Mission.pose`."""
+        given: DwaCase = case.given
+        scenes = given.source.draw(seed, jobs, float(given.params.radius))
+        return DwaPosed(scenes, given.params, given.static)
+
+    def run(self, scene: DwaPosed, method: str, record: bool = False) -> Outcome:
+        """Run episodes; see `Mission.run`."""
         result = navigate_dwa(
-            scenarios.obstacles,
-            scenarios.starts,
-            scenarios.goals,
-            valid=scenarios.valid,
-            params=given.params,
-            static=replace(given.static, method=method),
+            scene.scenes.obstacles,
+            scene.scenes.starts,
+            scene.scenes.goals,
+            valid=scene.scenes.valid,
+            params=scene.params,
+            static=replace(scene.static, method=method),
+            record=record,
         )
         columns = {metric.name: getattr(result, metric.name) for metric in self.metrics}
-        return {"status": result.status, **columns}
+        recording = _recorded(scene, result) if record else None
+        return Outcome({"status": result.status, **columns}, recording)
+
+    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
+        """The episode to show; see `Mission.example`."""
+        from usvjax.missions.dwa.figures import typical_job
+
+        return typical_job(rows, methods)
+
+    def figures(self, run: Any, replay: Replay) -> Iterator[tuple[str, Any]]:
+        """Draw a run; see `Mission.figures`."""
+        from usvjax.missions.dwa.figures import dwa_figures
+
+        return dwa_figures(run, replay)
+
+    def film(self, replayed: Replayed, row: int) -> Any:
+        """An episode with its dynamic window; see `Mission.film`."""
+        from usvjax.missions.dwa.figures import episode_film
+
+        return episode_film(replayed, row)
 
 
-def _try_scenarios(source: Source, params: DwaParams, static: DwaStatic) -> None:
+MISSION = DwaMission()
+
+
+def _recorded(scene: DwaPosed, result: NavigateResult) -> Recording:
+    assert result.trajectory is not None
+    dt = float(scene.params.dt)
+    grounds, tracks = [], []
+    for row, steps in enumerate(result.steps):
+        start, goal = scene.scenes.starts[row, None, :2], scene.scenes.goals[row, None]
+        marks = {"start": np.asarray(start), "goal": np.asarray(goal)}
+        radius = float(scene.params.radius)
+        grounds.append(Ground(scene.grid_map, scene.circles(row), radius, marks))
+        places = result.trajectory[row, : steps + 1, None, :2].astype(np.float64)
+        tracks.append(Track(dt * np.arange(steps + 1), "s", places))
+    return Recording(tuple(grounds), tuple(tracks), result)
+
+
+def _try_scenes(source: Source, params: DwaParams, static: DwaStatic) -> None:
     """Refuse what `navigate_dwa` would, before a run directory exists."""
     some = source.draw(0, np.arange(2), float(params.radius))
     set_scene(some.obstacles, some.starts, some.goals, some.valid, params, static, None)
 
 
 def _read_method(
-    params_table: Mapping[str, Any], static_table: Mapping[str, Any], where: str
+    params_table: Mapping[str, Any], static_table: Mapping[str, Any], files: Files
 ) -> tuple[DwaParams, DwaStatic]:
     """Read `[params]` and `[static]`; candidates are counted to fit unless given."""
-    in_params, in_static = f"{where}: [params]", f"{where}: [static]"
+    in_params, in_static = files.table("params"), files.table("static")
     names = [f.name for f in fields(DwaParams)]
     check_keys(params_table, [*names, "preset"], in_params)
     name = params_table.get("preset", DEFAULT_PRESET)
@@ -128,7 +167,7 @@ def _read_method(
     numbers = {k: v for k, v in params_table.items() if k != "preset"}
     if "method" in static_table:
         raise BadInputError(f"{in_static}: list methods in 'methods', not in 'method'")
-    with saying_where(where):
+    with saying_where(files.where):
         base = preset(name)
         params = replace(base.params, **read_values(DwaParams, numbers, in_params))
         static = replace(base.static, **read_values(DwaStatic, static_table, in_static))
@@ -140,11 +179,12 @@ def _read_method(
 
 
 def _read_maps(
-    table: Mapping[str, Any], folder: Path, where: str
+    table: Mapping[str, Any], files: Files
 ) -> tuple[str, LatticeMaps | RandomMaps | GridMaps, Source, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    name, options = read_source(table, _SOURCES, "lattice", where)
+    place = files.table("maps")
+    name, options = read_source(table, _SOURCES, "lattice", place)
     if not isinstance(options, GridMaps):
         return name, options, options, {}
-    grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)
+    grid, digest = read_map(options.map, options.cell_size, options.refine, files.folder, place)
     return name, options, Water(grid, options), {options.map: digest}

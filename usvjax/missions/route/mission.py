@@ -1,15 +1,12 @@
-"""Studies of kind "route": methods of path planning on the same queries.
+"""The mission "route": methods of path planning on the same queries.
 
-`[maps]` says where routes are sought (`source = "random"`, "grid" or "movingai"), `[search]` holds
-the settings of the searches, `[smoothing]` those of what is done to their paths. Methods are the
-keys of `usvjax.missions.route.run.METHODS`.
+`[maps]` says where routes are sought, `[search]` holds the settings of the searches, `[smoothing]`
+those of what is done to their paths. Methods are the keys of `usvjax.missions.route.run.METHODS`.
 """
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from enum import IntEnum
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -17,8 +14,19 @@ import numpy as np
 
 from usvjax.maps.disk import read_bytes
 from usvjax.maps.tables import map_digest, read_map, read_source, saying_where
-from usvjax.mission import LastShard, Metric, Prepared
+from usvjax.mission import (
+    Case,
+    Files,
+    Ground,
+    Metric,
+    Outcome,
+    Recording,
+    Replay,
+    Replayed,
+    Track,
+)
 from usvjax.missions.route.movingai import ScenarioQueries, read_benchmark
+from usvjax.missions.route.posed import RouteCase, RoutePosed
 from usvjax.missions.route.run import (
     ENDINGS,
     METHODS,
@@ -31,10 +39,8 @@ from usvjax.missions.route.run import (
     finish_routes,
 )
 from usvjax.missions.route.scenes import Chart, GridQueries, QuerySource, RandomQueries
-from usvjax.search.astar import AstarResult
-from usvjax.sections import Sections
-from usvjax.study.spec import Condition, StudySpec
-from usvjax.tables import field_names, read_table
+from usvjax.sections import Table
+from usvjax.tables import read_table
 from usvkernels.status import Status
 
 Options = RandomQueries | GridQueries | ScenarioQueries
@@ -46,53 +52,18 @@ _SOURCES: dict[str, type[Options]] = {
 }
 
 
-@dataclass(frozen=True)
-class RouteCondition:
-    """One condition of a route study.
+class RouteMission:
+    """Find routes; see `usvjax.mission.Mission`."""
 
-    Attributes:
-        source: draws the queries.
-        search: settings of the searches.
-        smoothing: settings of what is done to their paths.
-    """
-
-    source: QuerySource
-    search: SearchOptions
-    smoothing: SmoothingOptions
-
-    @property
-    def turning_radius(self) -> float:
-        """R, m; the edge of a cell where none was given."""
-        return self.smoothing.turning_radius or self.source.cell_size
-
-
-@dataclass(frozen=True)
-class _Posed:
-    """What all methods of a shard share.
-
-    Attributes:
-        area: the queries.
-        shortest: the search for the shortest routes.
-        optimum: float64[J], their lengths, m; inf where there is none.
-    """
-
-    area: Area
-    shortest: AstarResult
-    optimum: np.ndarray
-
-
-class RouteWorkload:
-    """Find routes for a study; see `usvjax.mission.Workload`."""
-
-    sections: Sections = MappingProxyType(
+    tables = MappingProxyType(
         {
-            "maps": ("source", *field_names(*_SOURCES.values())),
-            "search": field_names(SearchOptions),
-            "smoothing": field_names(SmoothingOptions),
+            "maps": Table("where routes are sought", _SOURCES, choice="source", default="random"),
+            "search": Table("settings of the searches", {"": SearchOptions}),
+            "smoothing": Table("what is done to their paths", {"": SmoothingOptions}),
         }
     )
-    methods: tuple[str, ...] = tuple(METHODS)
-    metrics: tuple[Metric, ...] = (
+    methods = MappingProxyType({name: method.words for name, method in METHODS.items()})
+    metrics = (
         Metric("path_length", "m", "Path length"),
         Metric("ratio", "", "Length / shortest"),
         Metric("cost", "m", "With turn cost"),
@@ -103,23 +74,18 @@ class RouteWorkload:
         Metric("min_clearance", "m", "Min clearance"),
         Metric("expanded", "", "Expanded", integer=True),
     )
-    endings: tuple[IntEnum, ...] = ENDINGS
-    success: IntEnum = Status.FOUND
+    endings = ENDINGS
 
-    def __init__(self) -> None:
-        self._last: LastShard[_Posed] = LastShard()
-
-    def prepare(
-        self, settings: Mapping[str, Mapping[str, Any]], folder: Path, where: str
-    ) -> Prepared:
-        """Check one condition; see `Workload.prepare`."""
-        place = f"{where}: [maps]"
-        name, options, source, inputs = _read_maps(settings["maps"], folder, place)
-        source.check(place)
-        search = read_table(SearchOptions, settings["search"], f"{where}: [search]")
-        smoothing = read_table(SmoothingOptions, settings["smoothing"], f"{where}: [smoothing]")
+    def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
+        """Check one condition; see `Mission.case`."""
+        name, options, source, inputs = _read_maps(tables["maps"], files)
+        source.check(files.table("maps"))
+        search = read_table(SearchOptions, tables["search"], files.table("search"))
+        smoothing = read_table(SmoothingOptions, tables["smoothing"], files.table("smoothing"))
         longest = source.cell_size * max(source.shape)
-        check_options(search, smoothing, longest, lambda table, key: f"{where}: [{table}]: {key!r}")
+        check_options(
+            search, smoothing, longest, lambda table, key: f"{files.table(table)}: {key!r}"
+        )
         if smoothing.turning_radius is None:
             smoothing = replace(smoothing, turning_radius=source.cell_size)
         in_force = {
@@ -127,66 +93,91 @@ class RouteWorkload:
             "search": asdict(search),
             "smoothing": asdict(smoothing),
         }
-        payload = RouteCondition(source, search, smoothing)
-        return Prepared(in_force, inputs, payload, source.most_jobs)
+        given = RouteCase(source, search, smoothing)
+        return Case(in_force, inputs, given, source.most_jobs)
 
-    def run(
-        self, spec: StudySpec, condition: Condition, method: str, jobs: np.ndarray
-    ) -> dict[str, np.ndarray]:
-        """Find routes; see `Workload.run`."""
-        routes, optimum = self.routes(condition.payload, spec.seed, method, jobs)
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> RoutePosed:
+        """Draw queries and find their shortest routes; see `Mission.pose`."""
+        given: RouteCase = case.given
+        queries = given.source.draw(seed, jobs)
+        shortest = find_paths(queries, replace(given.search, max_expansions=None), "astar")
+        lengths = shortest.cost
+        same_rules = given.search.connectivity == 8 and not given.search.corner_cutting
+        if queries.published is not None and same_rules:
+            lengths = queries.published
+        area = Area(queries, given.source.cell_size, given.source.origin)
+        return RoutePosed(given, area, shortest, lengths * given.source.cell_size)
+
+    def run(self, scene: RoutePosed, method: str, record: bool = False) -> Outcome:
+        """Find routes; see `Mission.run`."""
+        routes, optimum = _routes(scene, method), scene.optimum
         columns = {m.name: getattr(routes, m.name) for m in self.metrics if m.name != "ratio"}
         # A route from a cell to itself is as short as can be.
-        ratio = np.divide(routes.path_length, optimum, out=np.ones(len(jobs)), where=optimum != 0.0)
-        return {"status": routes.status, "ratio": ratio, **columns}
+        one = np.ones(len(optimum))
+        ratio = np.divide(routes.path_length, optimum, out=one, where=optimum != 0.0)
+        recording = _recorded(scene, routes) if record else None
+        return Outcome({"status": routes.status, "ratio": ratio, **columns}, recording)
 
-    def routes(
-        self, given: RouteCondition, seed: int, method: str, jobs: np.ndarray
-    ) -> tuple[Routes, np.ndarray]:
-        """Find the routes of some jobs with one method.
+    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
+        """The query to show; see `Mission.example`."""
+        from usvjax.plots.examples import median_job
 
-        Args:
-            given: the payload of a condition.
-            seed: of the study.
-            method: a key of `METHODS`.
-            jobs: int64[J].
+        what = "query that every method solved"
+        return median_job(rows, methods[0], "path_length", Status.FOUND, what)
 
-        Returns:
-            The routes, and float64[J], the lengths of the shortest ones, m.
-        """
-        posed = self._last.get(given, seed, jobs, lambda: _pose(given, seed, jobs))
-        found = posed.shortest
-        if not METHODS[method].is_plain or given.search.max_expansions is not None:
-            found = find_paths(posed.area.queries, given.search, method)
-        routes = finish_routes(found, posed.area, method, given.search, given.smoothing)
-        return routes, posed.optimum
+    def figures(self, run: Any, replay: Replay) -> Iterator[tuple[str, Any]]:
+        """Draw a run; see `Mission.figures`."""
+        from usvjax.missions.route.figures import route_figures
+
+        return route_figures(run, replay)
+
+    def film(self, replayed: Replayed, row: int) -> Any:
+        """A vessel along a route; see `Mission.film`."""
+        from usvjax.plots.tracks import film_of
+
+        return film_of(replayed, row)
 
 
-def _pose(given: RouteCondition, seed: int, jobs: np.ndarray) -> _Posed:
-    source = given.source
-    queries = source.draw(seed, jobs)
-    without_bound = replace(given.search, max_expansions=None)
-    shortest = find_paths(queries, without_bound, "astar")
-    lengths = shortest.cost
-    same_rules = given.search.connectivity == 8 and not given.search.corner_cutting
-    if queries.published is not None and same_rules:
-        lengths = queries.published
-    area = Area(queries, source.cell_size, source.origin)
-    return _Posed(area, shortest, lengths * source.cell_size)
+MISSION = RouteMission()
+
+
+def _routes(scene: RoutePosed, method: str) -> Routes:
+    """Find the routes; the plain search has been done."""
+    search, smoothing = scene.case.search, scene.case.smoothing
+    found = scene.shortest
+    if not METHODS[method].is_plain or search.max_expansions is not None:
+        found = find_paths(scene.area.queries, search, method)
+    return finish_routes(found, scene.area, method, search, smoothing)
+
+
+def _recorded(scene: RoutePosed, routes: Routes) -> Recording:
+    grounds, tracks = [], []
+    queries = scene.area.queries
+    for row, count in enumerate(routes.counts):
+        grid = scene.land(row)
+        ends = {"start": queries.starts, "goal": queries.goals}
+        marks = {name: grid.points_of(cells[row, None]) for name, cells in ends.items()}
+        grounds.append(Ground(grid, np.empty((0, 2)), 0.0, marks))
+        # Where there is no route, the vessel stays at the start.
+        places = routes.points[row, :count] if count else marks["start"]
+        steps = np.hypot(*np.diff(places, axis=0).T)
+        tracks.append(Track(np.append(0.0, np.cumsum(steps)), "m", places[:, None]))
+    return Recording(tuple(grounds), tuple(tracks), routes)
 
 
 def _read_maps(
-    table: Mapping[str, Any], folder: Path, where: str
+    table: Mapping[str, Any], files: Files
 ) -> tuple[str, Options, QuerySource, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    name, options = read_source(table, _SOURCES, "random", where)
+    place = files.table("maps")
+    name, options = read_source(table, _SOURCES, "random", place)
     if isinstance(options, RandomQueries):
         return name, options, options, {}
     if isinstance(options, GridQueries):
-        grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)
+        grid, digest = read_map(options.map, options.cell_size, options.refine, files.folder, place)
         return name, options, Chart(grid, options), {options.map: digest}
-    with saying_where(where):
-        benchmark = read_benchmark(options, folder, where)
-        lines = hashlib.sha256(read_bytes(folder / options.scen)).hexdigest()
+    with saying_where(place):
+        benchmark = read_benchmark(options, files.folder, place)
+        lines = hashlib.sha256(read_bytes(files.folder / options.scen)).hexdigest()
     inputs = {options.scen: lines, benchmark.chart.name: map_digest(benchmark.chart)}
     return name, options, benchmark, inputs

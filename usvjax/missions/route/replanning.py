@@ -1,8 +1,6 @@
 """D* Lite at work: a vessel on its way while the map changes, as a film."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.plots import base_map, style
-from usvjax.plots.film import check_animation, frame_steps, write_film
+from usvjax.plots.film import Film
 from usvjax.plots.paths import draw_ends
 from usvjax.search.astar import astar
 
@@ -149,48 +147,10 @@ def _window(x: int, y: int, sensing: tuple[int, int] | None) -> tuple[slice, sli
     return slice(max(y - up, 0), y + up + 1), slice(max(x - along, 0), x + along + 1)
 
 
-@style.styled
-def animate_replanning(
-    episode: Replanning,
-    path: str | Path,
-    *,
-    max_frames: int = 120,
-    fps: int = 6,
-    dpi: int = 110,
-    progress: Callable[[int, int], None] | None = None,
-) -> Path:
-    """Write an episode as GIF or MP4, whole or not at all.
-
-    Args:
-        episode: What to show, from `replanning_of`.
-        path: File to write: .gif, or .mp4 where ffmpeg is installed.
-        max_frames: Frames at most; moves between them are skipped evenly.
-        fps: Frames per second.
-        dpi: Dots per inch.
-        progress: Called with (frames done, frames in all) after every frame.
-
-    Returns:
-        The path written.
-
-    Raises:
-        BadInputError: Another suffix, no ffmpeg for an .mp4, max_frames, fps or dpi below 1, or
-            a place that cannot be written.
-    """
-    target = Path(path)
-    check_animation(target, max_frames=max_frames, fps=fps)
-    if dpi < 1:
-        raise BadInputError(f"dpi is {dpi}; at least 1 was wanted")
+def replanning_film(episode: Replanning) -> Film:
+    """An episode, from `replanning_of`, as a film of its moves until it arrives."""
     view = ReplanningView(episode)
-    steps = frame_steps(_last_move(episode) + 1, max_frames)
-
-    def frames() -> Iterator[None]:
-        for done, step in enumerate(steps, start=1):
-            view.show(step)
-            yield
-            if progress is not None:
-                progress(done, len(steps))
-
-    return write_film(view.fig, frames(), target, fps=fps, dpi=dpi)
+    return Film(view.fig, _last_move(episode) + 1, view.show)
 
 
 def _last_move(episode: Replanning) -> int:

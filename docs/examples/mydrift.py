@@ -1,0 +1,149 @@
+"""A mission of one's own: a vessel in a current steers by a potential field among round rocks."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from usvjax.errors import BadInputError
+from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Replay, Replayed, Track
+from usvjax.sections import Table
+from usvjax.tables import read_table
+from usvkernels.status import Status
+
+
+@dataclass(frozen=True)
+class Waters:
+    """The `[drift]` table of a study.
+
+    Attributes:
+        size: edge of the square, from whose south-west corner to the opposite one vessels sail; m.
+        rocks: how many; a whole number, 0 or more.
+        radius: of a rock and the vessel together; m, above 0.
+        current: speed of the current, whose direction is drawn for each job; m/s, 0 or more.
+        gain: of the repulsion against the attraction, which is 1; 0 or more.
+        reach: how far from its centre a rock repels; m, above 0.
+        speed: through the water; m/s, above that of the current.
+    """
+
+    size: float = 100.0
+    rocks: int = 12
+    radius: float = 5.0
+    current: float = 0.5
+    gain: float = 3.0
+    reach: float = 15.0
+    speed: float = 2.0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Where J vessels sail: rocks float[J, K, 2] (m), the current float[J, 2] (m/s)."""
+
+    waters: Waters
+    rocks: np.ndarray
+    current: np.ndarray
+
+
+DT, STEPS, ARRIVED = 0.5, 400, 3.0  # s; periods of an episode at most; m from the goal
+
+
+@jax.jit
+@partial(jax.vmap, in_axes=(0, 0, None, None))
+def sail(rocks, current, known, numbers):  # one vessel; vmap makes it J of them
+    """Places float[STEPS, 2] (m) and status int[STEPS] after each step, kept once it has ended."""
+    gain, reach, speed, radius, size = numbers
+
+    def step(state, _):
+        place, status = state
+        away = place - rocks
+        gap = jnp.sqrt((away**2).sum(axis=-1, keepdims=True))
+        push = gain * (away / gap * jnp.maximum(1.0 - gap / reach, 0.0)).sum(axis=0)
+        wanted = (size - place) / jnp.linalg.norm(size - place) + push
+        through = speed * wanted / jnp.linalg.norm(wanted) - known * current
+        after = place + DT * (through + current)
+        status_after = jnp.where(jnp.linalg.norm(size - after) < ARRIVED, Status.REACHED, 0)
+        hit = (jnp.linalg.norm(after - rocks, axis=-1) < radius).any()
+        status_after = jnp.where(hit, Status.COLLIDED, status_after)
+        state = jnp.where(status, place, after), jnp.where(status, status, status_after)
+        return state, state
+
+    return jax.lax.scan(step, (jnp.zeros(2), jnp.int32(0)), None, length=STEPS)[1]
+
+
+class Drift:
+    """The mission; see `usvjax.mission.Mission`."""
+
+    tables = {"drift": Table("where and how a vessel sails", {"": Waters})}
+    methods = {"field": "steers by the field alone", "allowed": "allows for the current as well"}
+    metrics = (Metric("time", "s", "Time"), Metric("path_length", "m", "Path length"))
+    endings = (Status.REACHED, Status.COLLIDED, Status.TIMED_OUT)
+
+    def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
+        """Read the table, and refuse what cannot be meant."""
+        waters = read_table(Waters, tables["drift"], files.table("drift"))
+        if not waters.speed > waters.current >= 0.0:
+            raise BadInputError(f"{files.table('drift')}: 'speed' must exceed 'current'")
+        return Case({"drift": asdict(waters)}, {}, waters)
+
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> Scene:
+        """Draw rocks and currents: job j from its own key, whatever the other jobs are."""
+        waters: Waters = case.given
+        key = jax.random.key(seed, impl="threefry2x32")
+        keys = jax.vmap(partial(jax.random.fold_in, key))(jnp.asarray(jobs, jnp.uint32))
+        draw = jax.vmap(lambda key: jax.random.uniform(key, (waters.rocks + 1, 2), jnp.float32))
+        drawn = np.asarray(draw(keys))
+        angle = 2.0 * np.pi * drawn[:, 0, 0]
+        current = waters.current * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        return Scene(waters, waters.size * (0.15 + 0.7 * drawn[:, 1:]), current)
+
+    def run(self, scene: Scene, method: str, record: bool = False) -> Outcome:
+        """Sail, and measure."""
+        w = scene.waters
+        numbers = np.float32([w.gain, w.reach, w.speed, w.radius, w.size])
+        found = sail(scene.rocks, scene.current, np.float32(method == "allowed"), numbers)
+        places, status = map(np.asarray, found)
+        places = np.pad(places.astype(float), ((0, 0), (1, 0), (0, 0)))  # all start at (0, 0)
+        ended = status[:, -1] > 0
+        steps = np.where(ended, (status > 0).argmax(axis=1) + 1, STEPS)
+        length = np.hypot(*np.moveaxis(np.diff(places, axis=1), -1, 0)).sum(axis=1)
+        status = np.where(ended, status[:, -1], Status.TIMED_OUT).astype(np.int32)
+        columns = {"status": status, "time": DT * steps, "path_length": length}
+        return Outcome(columns, self._recorded(scene, places, steps) if record else None)
+
+    def _recorded(self, scene: Scene, places: np.ndarray, steps: np.ndarray) -> Recording:
+        marks = {"start": np.zeros((1, 2)), "goal": np.full((1, 2), scene.waters.size)}
+        grounds = [Ground(None, rocks, scene.waters.radius, marks) for rocks in scene.rocks]
+        time = DT * np.arange(STEPS + 1)
+        tracks = [
+            Track(time[: n + 1], "s", place[: n + 1, None])
+            for n, place in zip(steps, places, strict=True)
+        ]
+        return Recording(tuple(grounds), tuple(tracks), None)
+
+    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
+        """The first episode."""
+        return int(rows["job"].min()), "the first"
+
+    def figures(self, run: Any, replay: Replay) -> Iterator[tuple[str, Any]]:
+        """How episodes ended, and one under both methods."""
+        from usvjax.plots import plot_paths, plot_success
+
+        yield "success", plot_success(run.table(), labels=run.labels, title=run.name)
+        found = {m: replay(0, m, [replay.example(0)[0]]).recording for m in run.methods}
+        tracks = {method: recording.tracks[0].places[:, 0] for method, recording in found.items()}
+        ground = found[run.methods[0]].grounds[0]
+        ends = (point for (point,) in ground.marks.values())
+        yield "paths", plot_paths(ground.circles, ground.radius, tracks, *ends, title=run.name)
+
+    def film(self, replayed: Replayed, row: int) -> Any:
+        """The vessel on its way."""
+        from usvjax.plots.tracks import film_of
+
+        return film_of(replayed, row)
+
+
+MISSIONS = {"drift": Drift()}

@@ -1,0 +1,56 @@
+"""`usvjax export`: where the vessels of an episode were, as a table."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+
+RunPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RUN")]
+AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
+Job = Annotated[int | None, tyro.conf.arg(metavar="N")]
+Method = Annotated[str | None, tyro.conf.arg(metavar="NAME")]
+OutFile = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
+
+
+def export(
+    run: RunPath,
+    job: Job = None,
+    condition: int = 0,
+    method: Method = None,
+    out: OutFile = None,
+    folder: Path = Path(),
+    as_json: AsJson = False,
+) -> None:
+    """Write the tracks of one episode of a run as CSV: when, which vessel, and where.
+
+    The episode is simulated again, and must end as the run says it did.
+
+    Example: usvjax export runs/tan2022 --job 3 --method traditional
+
+    Args:
+        run: Directory that `usvjax study` wrote.
+        job: Number of the episode; by default the one that `usvjax plot` shows.
+        condition: Number of the condition, from 0, in the order of the study.
+        method: Method of the run; by default its last.
+        out: File to write; by default a .csv in RUN/figures.
+        folder: What a map file or plugin of your own, named by the study, is relative to.
+        as_json: Print the file written as JSON, for scripts.
+    """
+    from usvjax.devices import use_compilation_cache
+    from usvjax.study import load_run
+    from usvjax.study.export import write_tracks
+    from usvjax.study.replay import Replay
+
+    use_compilation_cache()
+    replay = Replay(load_run(run), folder)
+    method = replay.run.methods[-1] if method is None else method
+    number = replay.example(condition)[0] if job is None else job
+    name = f"track-c{condition}-{method}-j{number}.csv"
+    target = run / "figures" / name if out is None else out
+    write_tracks(replay(condition, method, [number]), target)
+    if as_json:
+        print(json.dumps({"run": str(run), "tracks": str(target)}))
+        return
+    Console(highlight=False, markup=False, soft_wrap=True).print(f"Tracks   {target}")

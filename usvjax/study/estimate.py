@@ -1,0 +1,73 @@
+"""How long a study would take and how large it would be, from a few of its episodes."""
+
+import io
+import time
+from dataclasses import dataclass, replace
+
+from usvjax.study.runner import run_unit
+from usvjax.study.spec import StudySpec
+from usvjax.study.store import Unit
+
+FIRST = 16  # episodes tried of a condition, to begin with
+MOST_TRIED = 4  # conditions
+GROWTH = 4
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a study would take.
+
+    Attributes:
+        seconds: of work on one device, compilation apart.
+        first_seconds: until the first episodes had come, most of it compilation, of the
+            conditions that were tried.
+        bytes: of its shards on disk.
+        tried: episodes of each condition that was tried, with every method.
+        conditions: how many were tried.
+    """
+
+    seconds: float
+    first_seconds: float
+    bytes: int
+    tried: int
+    conditions: int
+
+
+def estimate(spec: StudySpec, budget: float = 20.0) -> Estimate:
+    """Try a few episodes, in memory, and scale up.
+
+    Args:
+        spec: the study.
+        budget: s, after which no larger number of episodes is tried.
+    """
+    began = time.perf_counter()
+    step = max(1, len(spec.conditions) // MOST_TRIED)
+    chosen = range(0, len(spec.conditions), step)[:MOST_TRIED]
+    tried = min(FIRST, spec.episodes)
+    _, _ = _trial(spec, chosen, tried)
+    first = time.perf_counter() - began
+    seconds, size = _trial(spec, chosen, tried)
+    while tried < min(spec.shard, spec.episodes):
+        larger = min(GROWTH * tried, spec.shard, spec.episodes)
+        # A larger number may be another program to compile.
+        if time.perf_counter() - began + first + 2 * GROWTH * seconds > budget:
+            break
+        tried = larger
+        _trial(spec, chosen, tried)
+        seconds, size = _trial(spec, chosen, tried)
+    scale = spec.episodes / tried * len(spec.conditions) / len(chosen)
+    return Estimate(seconds * scale, first, round(size * scale), tried, len(chosen))
+
+
+def _trial(spec: StudySpec, conditions: range, episodes: int) -> tuple[float, int]:
+    """Seconds and bytes of so many episodes of some conditions, all methods."""
+    part = replace(spec, episodes=episodes, shard=episodes)
+    began = time.perf_counter()
+    tables = [run_unit(part, Unit(condition, 0)) for condition in conditions]
+    seconds = time.perf_counter() - began
+    size = 0
+    for table in tables:
+        buffer = io.BytesIO()
+        table.write_parquet(buffer, compression="zstd", statistics=False)
+        size += len(buffer.getvalue())
+    return seconds, size

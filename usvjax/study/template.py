@@ -1,0 +1,131 @@
+"""A study file to begin with: every key of a mission, what it means, and its default."""
+
+import dataclasses
+import math
+import re
+import textwrap
+from collections.abc import Iterator
+from typing import Any
+
+from usvjax.errors import BadInputError
+from usvjax.mission import Mission
+from usvjax.sections import Table
+from usvjax.study.spec import StudyFile
+
+_WIDTH = 98
+_ENTRY = re.compile(r"(\w+(?:, \w+)*): (.*)")
+_EXAMPLES: dict[str, Any] = {"map": "hongze-250", "scen": "my.scen", "episodes": 1000}
+"""For keys that have no default."""
+
+
+def template(kind: str, mission: Mission, plugin: str | None = None) -> str:
+    """A commented study file that runs as it is where no key lacks a default.
+
+    Args:
+        kind: of the study.
+        mission: of that kind.
+        plugin: the file that it is from, if it is a user's own.
+    """
+    head = {"name": f"my_{kind}", "kind": kind, "episodes": _EXAMPLES["episodes"]}
+    if plugin is not None:
+        head["plugin"] = plugin
+    lines = [
+        f"# A study of kind {kind}. Keys that are commented out show their defaults.",
+        "# Run it with: usvjax study FILE; see what it would run with: usvjax check FILE",
+        "",
+    ]
+    meanings = _meanings(StudyFile)
+    for field in dataclasses.fields(StudyFile):
+        text = meanings[field.name]
+        if field.name == "methods":
+            text += " " + "; ".join(f"{name}: {words}" for name, words in mission.methods.items())
+        lines += _key(field.name, text, head.get(field.name, field.default), field.name in head)
+    for name, table in mission.tables.items():
+        lines += ["", f"[{name}]", *_comment(table.about), *_table(table)]
+    lines += [
+        "",
+        *_comment(
+            "What varies: [axes] lists values whose combinations are all run; [[conditions]], each "
+            "with a label, lists combinations one by one."
+        ),
+        "# [axes]",
+        f"# {_some_key(mission)} = [...]",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _some_key(mission: Mission) -> str:
+    name, table = next(iter(mission.tables.items()))
+    return f"{name}.{table.keys[-1]}"
+
+
+def _table(table: Table) -> Iterator[str]:
+    for key, text in table.extra.items():
+        yield from _key(key, text, None, given=False)
+    if table.choice:
+        others = ", ".join(f'"{kind}"' for kind in table.kinds if kind != table.default)
+        yield ""
+        yield f'{table.choice} = "{table.default}"  # or {others}'
+    for kind, cls in table.kinds.items():
+        default = kind == table.default
+        if kind:
+            words = (cls.__doc__ or "").partition("\n")[0]
+            yield from ("", *_comment(f'With {table.choice} = "{kind}": {words}'))
+        meanings = _meanings(cls)
+        for field in dataclasses.fields(cls):
+            if field.name not in table.without:
+                needed = field.default is dataclasses.MISSING
+                value = _EXAMPLES.get(field.name) if needed else field.default
+                yield from _key(field.name, meanings[field.name], value, needed and default)
+
+
+def _key(name: str, text: str, value: Any, given: bool) -> Iterator[str]:
+    """Lines of one key: what it means, and its value, commented out where it is the default."""
+    yield ""
+    yield from _comment(text)
+    if value is None:
+        yield f"# {name} ="
+    else:
+        yield f"{'' if given else '# '}{name} = {toml(value)}"
+
+
+def _comment(text: str) -> list[str]:
+    return [f"# {line}" for line in textwrap.wrap(" ".join(text.split()), _WIDTH)]
+
+
+def toml(value: Any) -> str:
+    """A value as TOML writes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(toml, value))}]"
+    if isinstance(value, float) and not math.isfinite(value):
+        return "inf" if value > 0 else "-inf"
+    return repr(float(value)) if isinstance(value, float) else str(value)
+
+
+def _meanings(cls: type) -> dict[str, str]:
+    """What the docstring of a dataclass says of each of its fields.
+
+    Raises:
+        BadInputError: it says nothing of a field; names the field.
+    """
+    _, _, attributes = (cls.__doc__ or "").partition("Attributes:\n")
+    found: dict[str, str] = {}
+    names: list[str] = []
+    for line in textwrap.dedent(attributes).splitlines():
+        match = _ENTRY.match(line)
+        if match and not line[:1].isspace():
+            names = match[1].split(", ")
+            found.update(dict.fromkeys(names, match[2]))
+        elif line.strip() and names:
+            found.update({name: f"{found[name]} {line.strip()}" for name in names})
+    missing = [f.name for f in dataclasses.fields(cls) if f.name not in found]
+    if missing:
+        raise BadInputError(
+            f"{cls.__name__}: its docstring says nothing of {missing[0]!r}; wanted an entry "
+            f"under 'Attributes:'"
+        )
+    return found
