@@ -10,7 +10,7 @@ import pytest
 from usvjax import planners
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
-from usvjax.missions.cruise import cruise, mission, rounds
+from usvjax.missions.cruise import cruise, rounds, run
 from usvjax.search import inputs
 
 BLOCKED = np.zeros((3, 6, 7), bool)
@@ -28,8 +28,8 @@ def _no_compute(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(checked: object, *_: object, **__: object) -> None:
         raise ComputeError(checked)
 
-    monkeypatch.setattr(mission, "sail", refuse)
-    monkeypatch.setattr(mission, "sail_in_rounds", refuse)
+    monkeypatch.setattr(run, "sail", refuse)
+    monkeypatch.setattr(run, "sail_in_rounds", refuse)
 
 
 def sail(**changes: Any) -> None:

@@ -31,7 +31,7 @@ _ORDER = "int [B, d] or [d], each of 0 .. d - 1 once, beginning with 0"
 
 
 @dataclass(frozen=True)
-class Mission:
+class Expedition:
     """The cruises, checked.
 
     Attributes:
@@ -79,7 +79,7 @@ class Mission:
         """int[len(rows)], which map each of these cruises is on."""
         return np.zeros_like(rows) if len(self.blocked) == 1 else rows
 
-    def part(self, rows: np.ndarray) -> "Mission":
+    def part(self, rows: np.ndarray) -> "Expedition":
         """Those of the cruises, int[n]."""
         shared = len(self.blocked) == 1
         return replace(
@@ -104,7 +104,7 @@ def check_mission(
     max_steps: Any,
     cell_size: Any,
     speed: Any,
-) -> Mission:
+) -> Expedition:
     """Check the arguments that every method has.
 
     Raises:
@@ -129,7 +129,7 @@ def check_mission(
     )
     max_wait = whole_number("max_wait", max_wait, 0)
     height, width = grids.shape[1:]
-    return Mission(
+    return Expedition(
         blocked=grids,
         stations=np.broadcast_to(places, (count, legs, 2)),
         rate=_rates(flip_rate, count),
@@ -145,7 +145,7 @@ def check_mission(
     )
 
 
-def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> Mission:
+def check_heuristic(expedition: Expedition, heuristic: Any, weight: Any) -> Expedition:
     """Refuse a heuristic that does not exist, or for which keys would not fit their integers.
 
     Returns:
@@ -154,8 +154,8 @@ def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> Mission:
     Raises:
       BadTypeError, BadInputError: as `dstar_lite`.
     """
-    check_method(heuristic, weight, mission.corner_cutting, None)
-    height, width = mission.shape
+    check_method(heuristic, weight, expedition.corner_cutting, None)
+    height, width = expedition.shape
     eq_17 = heuristic.startswith("weighted") and weight is None
     if eq_17 and height**2 + width**2 > LONGEST_EQ_17**2:
         raise BadInputError(
@@ -165,21 +165,21 @@ def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> Mission:
     left = NONE - INFINITE - largest_guide(heuristic, weight, height, width) - 4 * DIAGONAL
     most = max(left // DIAGONAL, 0)
     # With fewer steps than these, a default would leave vessels adrift in open water.
-    if most < (1 if mission.own_steps else height + width):
+    if most < (1 if expedition.own_steps else height + width):
         raise BadInputError(
             f"blocked: got maps of {width} x {height} cells, on which a leg can have at most "
             f"{most} steps with heuristic={heuristic!r}; wanted smaller maps"
             + (f", or max_steps up to {most}" if most else "")
         )
-    if mission.own_steps and mission.max_steps > most:
+    if expedition.own_steps and expedition.max_steps > most:
         raise BadInputError(
-            f"max_steps: got {mission.max_steps} on maps of {width} x {height} cells; wanted at "
+            f"max_steps: got {expedition.max_steps} on maps of {width} x {height} cells; wanted at "
             f"most {most} with heuristic={heuristic!r}"
         )
-    return replace(mission, max_steps=min(mission.max_steps, most))
+    return replace(expedition, max_steps=min(expedition.max_steps, most))
 
 
-def check_order(order: Any, mission: Mission) -> np.ndarray:
+def check_order(order: Any, expedition: Expedition) -> np.ndarray:
     """A given order of the stations, int32[B, d].
 
     Raises:
@@ -192,7 +192,7 @@ def check_order(order: Any, mission: Mission) -> np.ndarray:
         raise BadInputError(f"order: rows of unequal length; wanted {_ORDER}") from None
     if rows.dtype.kind not in "iu":
         raise BadTypeError(f"order: got dtype {rows.dtype}; wanted {_ORDER}")
-    count, legs = len(mission), mission.legs
+    count, legs = len(expedition), expedition.legs
     if rows.ndim not in (1, 2) or rows.shape[-1] != legs or rows.size == 0:
         raise BadInputError(f"order: got shape {rows.shape} for d = {legs}; wanted {_ORDER}")
     rows = np.atleast_2d(rows)

@@ -13,7 +13,7 @@ from usvjax.checks import one_of
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.missions.cruise import CruiseResult, cruise
-from usvjax.missions.cruise.inputs import Mission, check_heuristic, check_mission
+from usvjax.missions.cruise.inputs import Expedition, check_heuristic, check_mission
 from usvjax.missions.cruise.orders import DISTANCES, water_distances
 from usvjax.missions.cruise.scenes import Sites, Waters
 from usvjax.tours import solve_tour
@@ -23,7 +23,7 @@ _TOURS, _FLIPS = 2**32 - 1, 2**32 - 2
 
 
 @dataclass(frozen=True)
-class Method:
+class CruiseMethod:
     """A way to sail a cruise.
 
     Attributes:
@@ -39,22 +39,28 @@ class Method:
     heuristic: str = "octile"
 
 
-METHODS: dict[str, Method] = {
-    "recommended": Method("the shortest tour found, D* Lite along shortest paths", "recommended"),
-    "astar": Method("the same tour, A* anew where the way is blocked", "recommended", "astar"),
-    "proposed": Method(
+METHODS: dict[str, CruiseMethod] = {
+    "recommended": CruiseMethod(
+        "the shortest tour found, D* Lite along shortest paths", "recommended"
+    ),
+    "astar": CruiseMethod(
+        "the same tour, A* anew where the way is blocked", "recommended", "astar"
+    ),
+    "proposed": CruiseMethod(
         "tour by improved grey wolves, D* Lite with the weighted heuristic (Yu et al. 2022)",
         "igwo",
         heuristic="weighted",
     ),
-    "gwo": Method(
+    "gwo": CruiseMethod(
         "tour by grey wolves, D* Lite with the chess-board distance (Yu et al. 2022, Algorithm 4)",
         "gwo",
         heuristic="chebyshev",
     ),
-    "aco": Method("tour and paths by ants (Yu et al. 2022, Algorithm 1)", "aco", "aco"),
-    "ga": Method("tour and paths by genes (Yu et al. 2022, Algorithm 2)", "ga", "ga"),
-    "cmpso": Method("tour and paths by particles (Yu et al. 2022, Algorithm 3)", "cmpso", "cmpso"),
+    "aco": CruiseMethod("tour and paths by ants (Yu et al. 2022, Algorithm 1)", "aco", "aco"),
+    "ga": CruiseMethod("tour and paths by genes (Yu et al. 2022, Algorithm 2)", "ga", "ga"),
+    "cmpso": CruiseMethod(
+        "tour and paths by particles (Yu et al. 2022, Algorithm 3)", "cmpso", "cmpso"
+    ),
 }
 
 
@@ -124,12 +130,12 @@ def check_options(waters: Waters, options: CruiseOptions) -> dict[str, str]:
         BadTypeError, BadInputError: as `usvjax.missions.cruise.cruise`.
     """
     one_of("distances", options.distances, DISTANCES)
-    mission = _mission(waters.draw(0, np.arange(8)), waters.cell_size, options)
+    expedition = _expedition(waters.draw(0, np.arange(8)), waters.cell_size, options)
     refusals = {}
     for name, method in METHODS.items():
         try:
             if method.planner == "dstar_lite":
-                check_heuristic(mission, method.heuristic, None)
+                check_heuristic(expedition, method.heuristic, None)
         except BadInputError as error:
             refusals[name] = str(error)
     return refusals
@@ -151,7 +157,9 @@ def first_map(posed: Posed) -> GridMap:
 def leg_lengths(sites: Sites, cell_size: float, options: CruiseOptions) -> np.ndarray:
     """Distances between stations, float64[J, d, d], m: straight or by water, as is wanted."""
     if options.distances == "water":
-        return cell_size * water_distances(_mission(sites, cell_size, options)).astype(np.float64)
+        return cell_size * water_distances(_expedition(sites, cell_size, options)).astype(
+            np.float64
+        )
     apart = sites.stations[:, :, None] - sites.stations[:, None]
     return cell_size * np.hypot(apart[..., 0], apart[..., 1])
 
@@ -200,7 +208,7 @@ def sail(posed: Posed, method: str) -> CruiseResult:
     )
 
 
-def _mission(sites: Sites, cell_size: float, options: CruiseOptions) -> Mission:
+def _expedition(sites: Sites, cell_size: float, options: CruiseOptions) -> Expedition:
     return check_mission(
         sites.blocked,
         sites.stations,

@@ -11,14 +11,20 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.keys import as_key, first_run
 from usvjax.missions.cruise.inputs import (
     SPEED,
-    Mission,
+    Expedition,
     check_heuristic,
     check_mission,
     check_order,
 )
 from usvjax.missions.cruise.orders import DISTANCES, tour_order
 from usvjax.missions.cruise.result import CruiseResult, result_of
-from usvjax.missions.cruise.rounds import PLANNER_OPTIONS, PLANNERS, SWARMS, Planner, sail_in_rounds
+from usvjax.missions.cruise.rounds import (
+    PLANNER_OPTIONS,
+    PLANNERS,
+    SWARMS,
+    LegPlanner,
+    sail_in_rounds,
+)
 from usvjax.missions.cruise.sailing import MOST_LANES, Replanning, sail
 from usvjax.missions.cruise.straightening import pulled_straight
 from usvjax.search.replan_inputs import check_method
@@ -122,7 +128,7 @@ def cruise(
     one_of("method", method, METHODS)
     one_of("distances", distances, DISTANCES)
     one_of("tour", tour, TOURS)
-    mission = check_mission(
+    expedition = check_mission(
         blocked,
         stations,
         runs=runs,
@@ -137,27 +143,27 @@ def cruise(
         speed=speed,
     )
     if method == "dstar_lite":
-        mission = check_heuristic(mission, heuristic, weight)
+        expedition = check_heuristic(expedition, heuristic, weight)
     else:
         check_method(heuristic, weight, corner_cutting, None)
-    replanning = _replanning(mission, heuristic, weight, max_expansions, max_lanes)
-    planner = _planner(mission, method, planner_options)
-    first = first_run(first, len(mission))
+    replanning = _replanning(expedition, heuristic, weight, max_expansions, max_lanes)
+    planner = _planner(expedition, method, planner_options)
+    first = first_run(first, len(expedition))
     flip_key, tour_key, plan_key = jax.random.split(as_key(key), 3)
-    seeds = np.asarray(seeds_of(flip_key, len(mission), first)).T
+    seeds = np.asarray(seeds_of(flip_key, len(expedition), first)).T
     if order is None:
-        chosen = tour_order(mission, tour_key, tour, distances, first)
+        chosen = tour_order(expedition, tour_key, tour, distances, first)
     else:
-        chosen = check_order(order, mission)
+        chosen = check_order(order, expedition)
     if method == "dstar_lite":
-        voyages = sail(mission, chosen, seeds, replanning)
+        voyages = sail(expedition, chosen, seeds, replanning)
     else:
-        voyages = sail_in_rounds(mission, chosen, seeds, planner, plan_key, first)
-    way = pulled_straight(mission, voyages, seeds)
-    return result_of(mission, chosen, seeds, voyages, way)
+        voyages = sail_in_rounds(expedition, chosen, seeds, planner, plan_key, first)
+    way = pulled_straight(expedition, voyages, seeds)
+    return result_of(expedition, chosen, seeds, voyages, way)
 
 
-def _planner(mission: Mission, method: str, options: Any) -> Planner:
+def _planner(expedition: Expedition, method: str, options: Any) -> LegPlanner:
     if options is not None and not isinstance(options, Mapping):
         raise BadTypeError(
             f"planner_options: got {options!r}; wanted a mapping of keyword arguments"
@@ -167,18 +173,18 @@ def _planner(mission: Mission, method: str, options: Any) -> Planner:
         raise BadInputError(f"planner_options: got {options!r} with method={method!r}; wanted none")
     for name in options or ():
         one_of("planner_options", name, PLANNER_OPTIONS)
-    if swarm and mission.corner_cutting:
+    if swarm and expedition.corner_cutting:
         raise BadInputError(f"corner_cutting: got True; wanted False with method={method!r}")
-    planner = Planner(method, dict(options or {}))
+    planner = LegPlanner(method, dict(options or {}))
     if options:
         planner.check()
     return planner
 
 
 def _replanning(
-    mission: Mission, heuristic: Any, weight: Any, max_expansions: Any, max_lanes: Any
+    expedition: Expedition, heuristic: Any, weight: Any, max_expansions: Any, max_lanes: Any
 ) -> Replanning:
-    height, width = mission.shape
+    height, width = expedition.shape
     if max_expansions is None:
         max_expansions = EXPANSIONS_PER_CELL * height * width
     return Replanning(
