@@ -17,17 +17,19 @@ from usvjax.maps.tables import read_map, read_source, saying_where
 from usvjax.mission import LastShard, Metric, Prepared
 from usvjax.missions.cruise.methods import (
     METHODS,
+    OPTION_KEYS,
     CruiseOptions,
     Posed,
     check_options,
     pose,
+    read_options,
     sail,
     tour_lengths,
 )
 from usvjax.missions.cruise.scenes import STATIONS, GridWaters, Lake, RandomWaters, Waters
 from usvjax.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
-from usvjax.tables import field_names, read_table
+from usvjax.tables import field_names
 from usvkernels.status import CRUISE_ENDINGS, Status
 
 Options = RandomWaters | GridWaters
@@ -54,7 +56,7 @@ class CruiseWorkload:
     sections: Sections = MappingProxyType(
         {
             "maps": ("source", *field_names(*_SOURCES.values())),
-            "cruise": field_names(CruiseOptions),
+            "cruise": OPTION_KEYS,
         }
     )
     methods: tuple[str, ...] = tuple(METHODS)
@@ -85,10 +87,10 @@ class CruiseWorkload:
         name, table, waters, inputs = _read_maps(settings["maps"], folder, place)
         with saying_where(place):
             waters.check(place)
-        options = read_table(CruiseOptions, settings["cruise"], f"{where}: [cruise]")
+        options = read_options(settings["cruise"], f"{where}: [cruise]")
         with saying_where(f"{where}: [cruise]"):
             refusals = check_options(waters, options)
-        in_force = {"maps": {"source": name, **asdict(table)}, "cruise": asdict(options)}
+        in_force = {"maps": {"source": name, **asdict(table)}, "cruise": options.table()}
         payload = CruiseCondition(waters, options)
         return Prepared(in_force, inputs, payload, refusals=refusals)
 

@@ -7,8 +7,6 @@ from usvjax.missions.cruise.inputs import Expedition
 from usvjax.search.distance import distance_field
 from usvjax.tours import solve_tour
 
-DISTANCES = ("straight", "water")
-
 _MOST_CELLS = 1 << 24  # of distance fields held at a time
 
 

@@ -1,6 +1,6 @@
 """Cruises with planners that start anew: all that need a plan get it in one call, then all sail."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -40,15 +40,19 @@ class LegPlanner:
     Attributes:
       method: of PLANNERS.
       options: keyword arguments of `plan_paths`.
+      key: of its random numbers; of cruise j, plan k the parts (first + j, k).
+      first: number of the first cruise.
     """
 
     method: str
     options: dict[str, Any]
+    key: jax.Array
+    first: int = 0
 
     def check(self) -> None:
         """Refuse what `plan_paths` would, which has nothing to do on a map of one cell."""
         cells = np.zeros((1, 2), np.int32)
-        keys = jax.random.split(jax.random.key(0), 1)
+        keys = jax.random.split(self.key, 1)
         self.paths(np.zeros((1, 1, 1), bool), cells, cells, keys, False)
 
     def paths(
@@ -70,6 +74,23 @@ class LegPlanner:
 
         return plan_paths(blocked, starts, goals, keys, algorithm=self.method, **self.options)
 
+    def keys(self, rows: np.ndarray, planned: np.ndarray) -> jax.Array:
+        """A key for each row's next plan, whatever the other rows are.
+
+        Args:
+          rows: int[n], cruises.
+          planned: int32[B], plans of each so far.
+        """
+        size = 1 << (len(rows) - 1).bit_length()  # few sizes to compile
+        filled = np.resize(rows, size)
+        return _folded(self.key, filled + self.first, planned[filled])[: len(rows)]
+
+
+@jax.jit
+@partial(jax.vmap, in_axes=(None, 0, 0))
+def _folded(key: jax.Array, cruise: jax.Array, plan: jax.Array) -> jax.Array:
+    return jax.random.fold_in(jax.random.fold_in(key, cruise), plan)
+
 
 @dataclass
 class _Fleet:
@@ -90,12 +111,7 @@ class _Fleet:
 
 
 def sail_in_rounds(
-    expedition: Expedition,
-    order: np.ndarray,
-    seeds: np.ndarray,
-    planner: LegPlanner,
-    key: jax.Array,
-    first: int = 0,
+    expedition: Expedition, order: np.ndarray, seeds: np.ndarray, planner: LegPlanner
 ) -> Voyages:
     """Sail all cruises, in blocks whose maps fit in memory.
 
@@ -104,8 +120,6 @@ def sail_in_rounds(
       order: int32[B, d], of their stations.
       seeds: uint32[B, 2], of their flips.
       planner: what plans their paths.
-      key: of the planner's random numbers; of cruise j, plan k the parts (first + j, k).
-      first: number of the first cruise.
     """
     height, width = expedition.shape
     most = max(1, MOST_CELLS // (height * width))
@@ -116,7 +130,8 @@ def sail_in_rounds(
     moves, legs = [], []
     for rows in blocks:
         part = expedition.part(rows)
-        fleet = _sailed(part, order[rows], seeds[rows], planner, key, first + int(rows[0]))
+        their = replace(planner, first=planner.first + int(rows[0]))
+        fleet = _sailed(part, order[rows], seeds[rows], their)
         used = max(int(fleet.step.max()), 1)
         moves.append(fleet.moves[:, :used])
         legs.append(fleet.legs)
@@ -125,12 +140,7 @@ def sail_in_rounds(
 
 
 def _sailed(
-    expedition: Expedition,
-    order: np.ndarray,
-    seeds: np.ndarray,
-    planner: LegPlanner,
-    key: jax.Array,
-    first: int,
+    expedition: Expedition, order: np.ndarray, seeds: np.ndarray, planner: LegPlanner
 ) -> _Fleet:
     """The cruises when all are over; arguments as of `sail_in_rounds`."""
     fleet = _begun(expedition)
@@ -143,7 +153,7 @@ def _sailed(
         if not len(rows):
             break
         goals = stops[rows, fleet.leg[rows]]
-        keys = _keys(key, rows, first, fleet)
+        keys = planner.keys(rows, fleet.planned)
         known = fleet.known[rows]
         plans = planner.paths(known, fleet.here[rows], goals, keys, expedition.corner_cutting)
         _count_plans(fleet, rows, plans)
@@ -169,19 +179,6 @@ def _begun(expedition: Expedition) -> _Fleet:
         moves=np.full((count, 256), STAY, np.uint8),
         legs=np.zeros((count, legs, 4), np.int32),
     )
-
-
-@jax.jit
-@partial(jax.vmap, in_axes=(None, 0, 0))
-def _folded(key: jax.Array, cruise: jax.Array, plan: jax.Array) -> jax.Array:
-    return jax.random.fold_in(jax.random.fold_in(key, cruise), plan)
-
-
-def _keys(key: jax.Array, rows: np.ndarray, first: int, fleet: _Fleet) -> jax.Array:
-    """A key for each row's next plan, whatever the other rows are."""
-    size = 1 << (len(rows) - 1).bit_length()  # few sizes to compile
-    filled = np.resize(rows, size)
-    return _folded(key, filled + first, fleet.planned[filled])[: len(rows)]
 
 
 def _count_plans(fleet: _Fleet, rows: np.ndarray, plans: Any) -> None:
