@@ -14,7 +14,7 @@ from benchmarks.peers import cruise_plain
 from benchmarks.processes import FreshProcess
 from benchmarks.timing import in_turns, seconds_of, spread
 from usvjax.devices import usable_cores
-from usvjax.missions.cruise import CruiseResult, cruise
+from usvjax.missions.cruise import CruiseParams, CruiseResult, CruiseStatic, cruise
 from usvkernels.status import Status
 
 TITLE = "Cruises per second"
@@ -30,14 +30,15 @@ METHODS: dict[str, dict[str, Any]] = {
     "D* Lite, Chebyshev": {"heuristic": "chebyshev"},
     "A* anew": {"method": "astar"},
 }
-SCOPES: dict[str, dict[str, Any]] = {
-    "window, 3 %": {},
-    "window, 1 %": {"flip_rate": 0.01},
-    "window, 10 %": {"flip_rate": 0.10},
-    "map, 0.01 %": {"flip_rate": 0.0001, "flip_scope": "map"},
-    "map, 0.1 %": {"flip_rate": 0.001, "flip_scope": "map"},
-    "map, 3 %": {"flip_rate": 0.03, "flip_scope": "map"},
+SCOPES = {
+    "window, 3 %": (0.03, "window"),
+    "window, 1 %": (0.01, "window"),
+    "window, 10 %": (0.10, "window"),
+    "map, 0.01 %": (0.0001, "map"),
+    "map, 0.1 %": (0.001, "map"),
+    "map, 3 %": (0.03, "map"),
 }
+"""How often cells flip at a step, and where."""
 
 
 def measure(quick: bool) -> dict[str, Any]:
@@ -48,9 +49,16 @@ def measure(quick: bool) -> dict[str, Any]:
     def sail(**options: Any) -> CruiseResult:
         return cruise(maps, stations, 1, order=order, **options)
 
-    def some(**options: Any) -> CruiseResult:
+    def some(rate: float, scope: str) -> CruiseResult:
         rows = slice(max(count // 5, 1))
-        return cruise(maps[rows], stations[rows], 1, order=order[rows], **options)
+        return cruise(
+            maps[rows],
+            stations[rows],
+            1,
+            order=order[rows],
+            params=CruiseParams(flip_rate=rate),
+            static=CruiseStatic(flip_scope=scope),
+        )
 
     calls = {name: lambda how=how: sail(**how) for name, how in METHODS.items()}
     timed = in_turns(calls, repetitions=1 if quick else REPETITIONS)
@@ -59,7 +67,7 @@ def measure(quick: bool) -> dict[str, Any]:
         "timed": timed,
         "sailed": {name: _summary(call()) for name, call in calls.items()},
         "peers": _peers(maps, stations, order, 1 if quick else PEER_CRUISES),
-        "scopes": {name: _timed_summary(partial(some, **how)) for name, how in SCOPES.items()},
+        "scopes": {name: _timed_summary(partial(some, *how)) for name, how in SCOPES.items()},
     }
 
 

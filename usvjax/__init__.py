@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         random_maps,
         save_map,
     )
-    from usvjax.missions.cruise import CruiseResult, cruise
+    from usvjax.missions.cruise import CruiseParams, CruiseResult, CruiseStatic, cruise
     from usvjax.missions.dwa.presets import PRESETS, DwaPreset, fit_window, preset
     from usvjax.missions.dwa.run import DwaCandidates, NavigateResult, dwa_candidates, navigate_dwa
     from usvjax.paths.metrics import PathMetrics, path_metrics
@@ -55,7 +55,9 @@ __all__ = [
     "AstarResult",
     "BadInputError",
     "BadTypeError",
+    "CruiseParams",
     "CruiseResult",
+    "CruiseStatic",
     "DensePaths",
     "DstarLiteResult",
     "DwaCandidates",
@@ -109,7 +111,7 @@ __all__ = [
 ]
 
 _HOME = {
-    "usvjax.missions.cruise": ("CruiseResult", "cruise"),
+    "usvjax.missions.cruise": ("CruiseParams", "CruiseResult", "CruiseStatic", "cruise"),
     "usvjax.planners": ("PlanResult", "plan_paths"),
     "usvjax.swarms": ("MinimiseResult", "minimise"),
     "usvjax.tours": ("TourResult", "optimal_tour", "solve_tour", "tour_length"),

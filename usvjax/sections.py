@@ -19,8 +19,9 @@ class Table:
 
     Attributes:
         about: what it is for; one line.
-        kinds: dataclass of its keys, by what `choice` may be; under "" where nothing is chosen.
-            The docstring's "Attributes:" says of every field what it means.
+        kinds: dataclass of its keys, or several whose keys stand together, by what `choice` may
+            be; under "" where nothing is chosen. The docstring's "Attributes:" says of every field
+            what it means.
         choice: the key that chooses among `kinds`, such as "source", or "".
         default: what is chosen where that key is missing.
         extra: keys that are no field, and what each means.
@@ -28,7 +29,7 @@ class Table:
     """
 
     about: str
-    kinds: Mapping[str, type]
+    kinds: Mapping[str, type | tuple[type, ...]]
     choice: str = ""
     default: str = ""
     extra: Mapping[str, str] = field(default_factory=dict)
@@ -37,8 +38,14 @@ class Table:
     @property
     def keys(self) -> tuple[str, ...]:
         """All keys that it may hold under some setting."""
-        names = (n for n in field_names(*self.kinds.values()) if n not in self.without)
+        all_classes = [cls for kind in self.kinds for cls in self.classes(kind)]
+        names = (name for name in field_names(*all_classes) if name not in self.without)
         return (*filter(None, (self.choice,)), *self.extra, *names)
+
+    def classes(self, kind: str) -> tuple[type, ...]:
+        """The dataclasses of its keys where this is chosen."""
+        found = self.kinds[kind]
+        return found if isinstance(found, tuple) else (found,)
 
 
 def sections_of(tables: Mapping[str, Table]) -> Sections:

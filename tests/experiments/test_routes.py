@@ -191,7 +191,7 @@ def sailed(first, length, reached=None, extra=0):
     position = np.zeros((len(first), 2, 2), int)
     position[:, 1, 0] = np.round(length)
     status = np.where(arrived, int(Status.REACHED), int(Status.OUT_OF_BUDGET))
-    return yu_plans.Sailed(status, first, first + extra, np.array(length, float), position)
+    return yu_plans.Replanned(status, first, first + extra, np.array(length, float), position)
 
 
 def test_expansions_and_lengths_are_relative_to_the_traditional_heuristic():

@@ -6,11 +6,26 @@ from typing import Any
 import cruise_replay as replay
 import numpy as np
 
-from usvjax.missions.cruise import CruiseResult, cruise
+from usvjax.missions.cruise import CruiseParams, CruiseResult, CruiseStatic, cruise
+from usvjax.tables import field_names
 from usvkernels.status import Status
 
 HEIGHT, WIDTH, STATIONS, CRUISES = 11, 13, 5, 64
 KEY = 7
+
+
+def arguments(**options: Any) -> dict[str, Any]:
+    """Keyword arguments of `cruise`, from those and the fields of `params` and `static`."""
+    given = {name: value for name, value in options.items() if name not in _FIELDS}
+    for name, cls in _CLASSES.items():
+        chosen = {key: options[key] for key in field_names(cls) if key in options}
+        if chosen:
+            given[name] = cls(**chosen)
+    return given
+
+
+_CLASSES: dict[str, Any] = {"params": CruiseParams, "static": CruiseStatic}
+_FIELDS = field_names(*_CLASSES.values())
 
 
 @dataclass(frozen=True)
@@ -25,8 +40,9 @@ class Scenes:
         return Scenes(self.blocked[:count], self.stations[:count], self.order[:count])
 
     def sail(self, key: Any = KEY, **options: Any) -> CruiseResult:
+        """Sail them; options as `arguments` takes them."""
         options = {"order": self.order, "heuristic": "octile", **options}
-        return cruise(self.blocked, self.stations, key, **options)
+        return cruise(self.blocked, self.stations, key, **arguments(**options))
 
     def stops(self, row: int) -> np.ndarray:
         return self.stations[row][np.append(self.order[row], 0)]

@@ -117,14 +117,14 @@ def check_options(corner_cutting: Any, connectivity: Any) -> None:
         raise BadInputError(f"connectivity: got {connectivity}; wanted 4 or 8")
 
 
-def check_corner_cutting(value: Any) -> None:
+def check_corner_cutting(value: Any, name: str = "corner_cutting") -> None:
     """Refuse anything but a bool: "false" would count as True.
 
     Raises:
       BadTypeError: naming the value.
     """
     if not isinstance(value, bool | np.bool_):
-        raise BadTypeError(f"corner_cutting: got {value!r}; wanted True or False")
+        raise BadTypeError(f"{name}: got {value!r}; wanted True or False")
 
 
 def cell_rows(name: str, value: Any) -> np.ndarray:

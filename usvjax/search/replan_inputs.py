@@ -36,19 +36,25 @@ def check_method(
         if not 1 <= number("weight", weight) <= _LARGEST_WEIGHT:
             raise BadInputError(f"weight: got {weight}; wanted 1 to {_LARGEST_WEIGHT}")
     check_corner_cutting(corner_cutting)
-    return None if sensing is None else _window(sensing)
+    return None if sensing is None else check_window(sensing)
 
 
-def _window(sensing: Any) -> tuple[int, int]:
+def check_window(sensing: Any, name: str = "sensing") -> tuple[int, int]:
+    """Check the window (h, w) of a vessel's view; returns it as two Python integers.
+
+    Raises:
+      BadTypeError: not whole numbers.
+      BadInputError: not two, even or less than 3.
+    """
     if isinstance(sensing, np.ndarray):
         sensing = sensing.tolist()
     if not isinstance(sensing, tuple | list):
-        raise BadTypeError(f"sensing: got {sensing!r}; wanted {_WINDOW}")
+        raise BadTypeError(f"{name}: got {sensing!r}; wanted {_WINDOW}")
     whole = [isinstance(n, int | np.integer) and not isinstance(n, bool) for n in sensing]
     if not all(whole):
-        raise BadTypeError(f"sensing: got {sensing!r}; wanted {_WINDOW}")
+        raise BadTypeError(f"{name}: got {sensing!r}; wanted {_WINDOW}")
     if len(sensing) != 2 or any(n < 3 or n % 2 == 0 for n in sensing):
-        raise BadInputError(f"sensing: got {sensing!r}; wanted {_WINDOW}")
+        raise BadInputError(f"{name}: got {sensing!r}; wanted {_WINDOW}")
     return int(sensing[0]), int(sensing[1])
 
 

@@ -66,17 +66,22 @@ def _table(table: Table) -> Iterator[str]:
         others = ", ".join(f'"{kind}"' for kind in table.kinds if kind != table.default)
         yield ""
         yield f'{table.choice} = "{table.default}"  # or {others}'
-    for kind, cls in table.kinds.items():
-        default = kind == table.default
+    for kind in table.kinds:
+        classes = table.classes(kind)
         if kind:
-            words = (cls.__doc__ or "").partition("\n")[0]
+            words = (classes[0].__doc__ or "").partition("\n")[0]
             yield from ("", *_comment(f'With {table.choice} = "{kind}": {words}'))
-        meanings = _meanings(cls)
-        for field in dataclasses.fields(cls):
-            if field.name not in table.without:
-                needed = field.default is dataclasses.MISSING
-                value = _EXAMPLES.get(field.name) if needed else field.default
-                yield from _key(field.name, meanings[field.name], value, needed and default)
+        for cls in classes:
+            yield from _fields(cls, table.without, needed_given=kind == table.default)
+
+
+def _fields(cls: type, without: tuple[str, ...], needed_given: bool) -> Iterator[str]:
+    meanings = _meanings(cls)
+    for field in dataclasses.fields(cls):
+        if field.name not in without:
+            needed = field.default is dataclasses.MISSING
+            value = _EXAMPLES.get(field.name) if needed else field.default
+            yield from _key(field.name, meanings[field.name], value, needed and needed_given)
 
 
 def _key(name: str, text: str, value: Any, given: bool) -> Iterator[str]:

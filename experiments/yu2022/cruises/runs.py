@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from time import perf_counter
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -117,13 +116,13 @@ Varied = dict[str, dict[str, dict[str, Cruises]]]
 """Environment, kind of flips, algorithm."""
 
 
-FLIPS: dict[str, dict[str, Any]] = {
-    "nothing changes": {"flip_rate": 0.0},
-    "1 % in the window": {"flip_rate": 0.01},
-    "3 % in the window": {"flip_rate": 0.03},
-    "3 % of the whole map": {"flip_rate": 0.03, "flip_scope": "map"},
+FLIPS: dict[str, tuple[float, str]] = {
+    "nothing changes": (0.0, "window"),
+    "1 % in the window": (0.01, "window"),
+    "3 % in the window": (0.03, "window"),
+    "3 % of the whole map": (0.03, "map"),
 }
-"""What the printed change of 3 % may mean; keyword arguments of `cruise`."""
+"""What the printed change of 3 % may mean: `flip_rate` and `flip_scope` of a cruise."""
 VARIED = ("gwo", PROPOSED, "best")
 """Algorithms that meet all of them, in Case 1."""
 
@@ -235,9 +234,18 @@ def _once(
     maps: np.ndarray,
     stations: np.ndarray,
     seed: int,
-    flips: Mapping[str, Any] = MappingProxyType({}),
+    flips: tuple[float, str] = FLIPS["3 % in the window"],
 ) -> Cruises:
+    rate, scope = flips
     tour = uj.solve_tour(stations, seed, algorithm=algorithm.tour, runs=len(maps))
-    options = {"cell_size": CELL, "speed": SPEED, **algorithm.sails, **flips}
-    result = uj.cruise(maps, stations, seed, order=tour.order, **options)
+    result = uj.cruise(
+        maps,
+        stations,
+        seed,
+        order=tour.order,
+        params=uj.CruiseParams(flip_rate=rate, speed=SPEED),
+        static=uj.CruiseStatic(flip_scope=scope),
+        cell_size=CELL,
+        **algorithm.sails,
+    )
     return Cruises(result, tour.length, algorithm.smoothed)

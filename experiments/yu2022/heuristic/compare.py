@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from experiments.estimates import LEVEL, ratio, share
-from experiments.yu2022.heuristic.plans import Sailed
+from experiments.yu2022.heuristic.plans import Replanned
 from experiments.yu2022.heuristic.published import HEURISTICS, TRADITIONAL
 from usvjax.statistics import averages
 from usvkernels.status import Status
@@ -14,7 +14,7 @@ from usvkernels.status import Status
 _ALIKE = 1e-6
 
 
-def first_plans(sailed: dict[str, Sailed], seed: int) -> dict[str, Any]:
+def first_plans(sailed: dict[str, Replanned], seed: int) -> dict[str, Any]:
     """Compare the first plans on maps that do not change; a row per heuristic.
 
     The lengths are ratios to the shortest, which the traditional heuristic finds: it never
@@ -38,7 +38,7 @@ def first_plans(sailed: dict[str, Sailed], seed: int) -> dict[str, Any]:
     return {"n": int(reached.sum()), "heuristics": rows}
 
 
-def episodes(sailed: dict[str, Sailed], seed: int) -> dict[str, Any]:
+def episodes(sailed: dict[str, Replanned], seed: int) -> dict[str, Any]:
     """Compare whole episodes on maps that change; a row per heuristic.
 
     Expansions and lengths are compared where the vessel arrives with every heuristic.

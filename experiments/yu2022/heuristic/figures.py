@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from experiments.grid_figures import draw_path, paint_cells
 from experiments.yu2022.heuristic.expansion import Cell
-from experiments.yu2022.heuristic.plans import Sailed, Scenes
+from experiments.yu2022.heuristic.plans import Replanned, Scenes
 from experiments.yu2022.heuristic.published import HEURISTICS, TRADITIONAL
 from usvjax.plots import save, style
 
@@ -25,7 +25,7 @@ LOOKS = {
 
 def draw(
     scene: Scenes,
-    sailed: Mapping[str, Sailed],
+    sailed: Mapping[str, Replanned],
     expanded: Mapping[str, Sequence[Cell]],
     found: Mapping[str, Any],
     folder: Path,
@@ -48,7 +48,7 @@ def draw(
 
 @style.styled
 def fig5(
-    scene: Scenes, sailed: Mapping[str, Sailed], expanded: Mapping[str, Sequence[Cell]]
+    scene: Scenes, sailed: Mapping[str, Replanned], expanded: Mapping[str, Sequence[Cell]]
 ) -> Figure:
     """Draw expanded cells (grey) and path (red) of each heuristic on the first map."""
     fig = style.new_figure(style.DOUBLE_MM, 178)

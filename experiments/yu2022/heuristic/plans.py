@@ -67,7 +67,7 @@ class Scenes:
 
 
 @dataclass(frozen=True)
-class Sailed:
+class Replanned:
     """How n episodes went with one heuristic.
 
     Attributes:
@@ -91,7 +91,7 @@ class Sailed:
         return reached
 
 
-Results = dict[str, dict[str, Sailed]]
+Results = dict[str, dict[str, Replanned]]
 """Label of a condition, then heuristic."""
 
 
@@ -125,7 +125,7 @@ def sail(
 ) -> Results:
     """Sail all scenes with every heuristic; the changes are seen within the window only."""
 
-    def one(heuristic: str) -> dict[str, Sailed]:
+    def one(heuristic: str) -> dict[str, Replanned]:
         found = {}
         for label, scene in scenes.items():
             found[label] = _sailed(scene, heuristic)
@@ -137,7 +137,7 @@ def sail(
     return {label: {h: by_heuristic[h][label] for h in HEURISTICS} for label in scenes}
 
 
-def _sailed(scene: Scenes, heuristic: str) -> Sailed:
+def _sailed(scene: Scenes, heuristic: str) -> Replanned:
     result = dstar_lite(
         scene.blocked,
         scene.starts,
@@ -148,7 +148,7 @@ def _sailed(scene: Scenes, heuristic: str) -> Sailed:
     )
     moved = np.abs(np.diff(result.position, axis=1)).sum(axis=2)
     straight, diagonal = ((moved == k).sum(axis=1) for k in (1, 2))
-    return Sailed(
+    return Replanned(
         status=result.status,
         first=result.expanded[:, 0],
         expanded=result.expanded.sum(axis=1),

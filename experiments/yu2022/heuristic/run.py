@@ -7,7 +7,7 @@ from experiments.yu2022.heuristic import report
 from experiments.yu2022.heuristic.compare import episodes, first_plans
 from experiments.yu2022.heuristic.expansion import Cell, expanded_cells
 from experiments.yu2022.heuristic.figures import draw as draw_figures
-from experiments.yu2022.heuristic.plans import EPISODES, PLANS, Sailed, Scenes, draw, sail
+from experiments.yu2022.heuristic.plans import EPISODES, PLANS, Replanned, Scenes, draw, sail
 from experiments.yu2022.heuristic.published import HEURISTICS
 from experiments.yu2022.heuristic.verdicts import judge
 from experiments.yu2022.parts import Part
@@ -60,7 +60,7 @@ def _expanded(scene: Scenes) -> dict[str, list[Cell]]:
 
 
 def _shown(
-    label: str, sailed: dict[str, Sailed], expanded: dict[str, list[Cell]]
+    label: str, sailed: dict[str, Replanned], expanded: dict[str, list[Cell]]
 ) -> dict[str, Any]:
     """What the figure shows, in numbers."""
     return {

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from usvkernels.cruise.sailing import STAY, Cruises, CruiseStatic, Vessels, advance
+from usvkernels.cruise.sailing import STAY, Cruises, SailingStatic, Vessels, advance
 from usvkernels.lanes import LEAST_LANES
 from usvkernels.search.dstar_layout import BLOCKED
 from usvkernels.search.dstar_search import begin_planes, first_key, idle_searches
@@ -48,7 +48,7 @@ class _Queue:
 
 
 def run(
-    static: CruiseStatic,
+    static: SailingStatic,
     cruises: Cruises,
     n_jobs: Array | int,
     *,
@@ -85,7 +85,7 @@ def run(
 
 
 def _work(
-    static: CruiseStatic, cruises: Cruises, n_jobs: Array, chunk: int, fewer: int, queue: _Queue
+    static: SailingStatic, cruises: Cruises, n_jobs: Array, chunk: int, fewer: int, queue: _Queue
 ) -> _Queue:
     """Work until nothing is left, or until what is left fits into `fewer` lanes.
 
@@ -127,7 +127,7 @@ def _gathered(vessels: Vessels, count: int) -> Vessels:
     return Vessels(**{f.name: pick(f.name, getattr(vessels, f.name)) for f in fields(Vessels)})
 
 
-def _idle(static: CruiseStatic, stops: int, lanes: int) -> Vessels:
+def _idle(static: SailingStatic, stops: int, lanes: int) -> Vessels:
     zero = jnp.zeros(lanes, jnp.int32)
     counters = ("rate", "job", "leg", "step", "first", "waited", "spent", "plans")
     return Vessels(
@@ -142,7 +142,7 @@ def _idle(static: CruiseStatic, stops: int, lanes: int) -> Vessels:
     )
 
 
-def _refilled(static: CruiseStatic, cruises: Cruises, n_jobs: Array, queue: _Queue) -> _Queue:
+def _refilled(static: SailingStatic, cruises: Cruises, n_jobs: Array, queue: _Queue) -> _Queue:
     """Lanes whose leg has ended begin the next; those whose cruise has, the next cruise."""
     vessels = queue.vessels
     free = ~vessels.live & vessels.over
@@ -186,7 +186,7 @@ def _refilled(static: CruiseStatic, cruises: Cruises, n_jobs: Array, queue: _Que
 
 
 def _begun(
-    static: CruiseStatic, cruises: Cruises, vessels: Vessels, takes: Array, begins: Array
+    static: SailingStatic, cruises: Cruises, vessels: Vessels, takes: Array, begins: Array
 ) -> Vessels:
     """The planes of the lanes that begin a leg: on the cruise's map, or on that known so far."""
     size = static.search.layout.size

@@ -34,7 +34,7 @@ _WORD = 32
 
 
 @dataclass(frozen=True)
-class CruiseStatic:
+class SailingStatic:
     """Choices of method; hashable.
 
     Attributes:
@@ -133,7 +133,7 @@ class _Endings(NamedTuple):
         return jnp.where(self.exhausted, int(Status.OUT_OF_BUDGET), code)
 
 
-def advance(static: CruiseStatic, cruises: Cruises, vessels: Vessels) -> tuple[Vessels, Log]:
+def advance(static: SailingStatic, cruises: Cruises, vessels: Vessels) -> tuple[Vessels, Log]:
     """Do the next thing in every lane: one change, one expansion, or one move.
 
     Args:
@@ -159,7 +159,7 @@ def advance(static: CruiseStatic, cruises: Cruises, vessels: Vessels) -> tuple[V
     return _moved(static, cruises, vessels, outcome, there, goes, moving & ~goes)
 
 
-def _drawn(static: CruiseStatic, vessels: Vessels, begins: Array) -> Vessels:
+def _drawn(static: SailingStatic, vessels: Vessels, begins: Array) -> Vessels:
     """The lanes with the flips of the step that begins in some of them."""
     if static.scope == "map":
         vessels = _map_drawn(static, vessels, begins)
@@ -173,21 +173,21 @@ def _drawn(static: CruiseStatic, vessels: Vessels, begins: Array) -> Vessels:
     return replace(vessels, drawn=vessels.drawn | begins)
 
 
-def _view(static: CruiseStatic, here: Array) -> View:
+def _view(static: SailingStatic, here: Array) -> View:
     layout = static.search.layout
     column, row = here % layout.stride, here // layout.stride - TOP
     return view(column, row, static.window, layout.width, layout.height)
 
 
 def _window_changes(
-    static: CruiseStatic, seed: Array, step: Array, rate: Array, here: Array
+    static: SailingStatic, seed: Array, step: Array, rate: Array, here: Array
 ) -> Array:
     """Flips in view as bits, uint32[words, lanes]."""
     seen = _view(static, here)
     return _packed(static, view_flips(seed, step, rate, seen, static.search.layout.width))
 
 
-def _packed(static: CruiseStatic, cells: Array) -> Array:
+def _packed(static: SailingStatic, cells: Array) -> Array:
     """Cells in view, bool[n, lanes], as bits uint32[words, lanes]."""
     bits = jnp.arange(cells.shape[0], dtype=jnp.uint32)[:, None]
     values = jnp.where(cells, jnp.uint32(1) << bits % _WORD, jnp.uint32(0))
@@ -197,7 +197,7 @@ def _packed(static: CruiseStatic, cells: Array) -> Array:
     return jnp.sum(values.reshape(static.words, _WORD, -1), axis=1, dtype=jnp.uint32)
 
 
-def _first_bit(static: CruiseStatic, changes: Array) -> tuple[Array, Array, Array]:
+def _first_bit(static: SailingStatic, changes: Array) -> tuple[Array, Array, Array]:
     """Number of the first bit that is set, int32[lanes]; whether one is; and the bits without."""
     if static.words == 1:
         word = changes[0]
@@ -216,7 +216,7 @@ def _lowest_bit(word: Array) -> tuple[Array, Array]:
     return lowest, _WORD - 1 - lax.clz(lowest).astype(jnp.int32)
 
 
-def _map_drawn(static: CruiseStatic, vessels: Vessels, begins: Array) -> Vessels:
+def _map_drawn(static: SailingStatic, vessels: Vessels, begins: Array) -> Vessels:
     """Flip cells of whole maps, in the lanes where a step begins; note those in view."""
     layout = static.search.layout
     size = layout.size
@@ -246,7 +246,7 @@ def _map_drawn(static: CruiseStatic, vessels: Vessels, begins: Array) -> Vessels
     return replace(vessels, unseen=unseen, changes=changes)
 
 
-def _next_change(static: CruiseStatic, vessels: Vessels) -> tuple[Vessels, Array, Array]:
+def _next_change(static: SailingStatic, vessels: Vessels) -> tuple[Vessels, Array, Array]:
     """Which lanes have a change to deal with, and the cell that becomes known as changed.
 
     That cell is void where it is a station, which never changes.
@@ -262,7 +262,7 @@ def _next_change(static: CruiseStatic, vessels: Vessels) -> tuple[Vessels, Array
 
 
 def _moved(
-    static: CruiseStatic,
+    static: SailingStatic,
     cruises: Cruises,
     vessels: Vessels,
     outcome: Outcome,

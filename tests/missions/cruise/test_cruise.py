@@ -106,6 +106,13 @@ def test_out_of_budget() -> None:
     assert result.steps.tolist() == [0]
 
 
+def test_speed_of_each_cruise() -> None:
+    one = sail(walled((6, 5)), max_wait=6, speed=2.5)
+    two = sail(walled((6, 5)), max_wait=6, speed=[2.5, 10.0], runs=2)
+    assert np.array_equal(two.time, one.time * [1.0, 0.25])
+    assert np.array_equal(two.smooth_time, one.smooth_time * [1.0, 0.25])
+
+
 def test_a_map_in_the_world_and_many_seeds() -> None:
     lake = GridMap(walled((6, 5)), cell_size=250.0)
     scenes = Scenes(lake, PLACES, np.arange(5))  # type: ignore[arg-type]

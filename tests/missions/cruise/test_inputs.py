@@ -1,16 +1,20 @@
 """Every mistake in the arguments of `cruise` is named before anything is computed."""
 
 import inspect
+import re
+from dataclasses import fields
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from cruise_scenes import arguments
 
 from usvjax import planners
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
-from usvjax.missions.cruise import cruise, mission, rounds
+from usvjax.missions.cruise import CruiseParams, CruiseStatic, cruise, rounds, run
 from usvjax.search import inputs
 
 BLOCKED = np.zeros((3, 6, 7), bool)
@@ -28,14 +32,14 @@ def _no_compute(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(checked: object, *_: object, **__: object) -> None:
         raise ComputeError(checked)
 
-    monkeypatch.setattr(mission, "sail", refuse)
-    monkeypatch.setattr(mission, "sail_in_rounds", refuse)
+    monkeypatch.setattr(run, "sail", refuse)
+    monkeypatch.setattr(run, "sail_in_rounds", refuse)
 
 
 def sail(**changes: Any) -> None:
     """Check these cruises, in which nothing is wrong but the changes."""
     given = {"blocked": BLOCKED, "stations": STATIONS, "key": 1, "order": ORDER, **changes}
-    cruise(**given)
+    cruise(**arguments(**given))
 
 
 def put(array: np.ndarray, index: tuple[int, ...], value: Any) -> np.ndarray:
@@ -59,6 +63,8 @@ def put(array: np.ndarray, index: tuple[int, ...], value: Any) -> np.ndarray:
         {"flip_rate": 0},
         {"flip_rate": 1.0},
         {"flip_rate": [0.0, 0.5, 1.0]},
+        {"flip_rate": np.float32(0.5), "speed": np.full(3, 2.0)},
+        {"flip_rate": jnp.asarray(0.5), "speed": jnp.full(3, 2.0)},
         {"sensing": [3, 7]},
         {"method": "astar", "corner_cutting": True},
         {"method": "astar", "max_steps": 20000},
@@ -103,30 +109,32 @@ def test_good_input_passes(fine: dict[str, Any]) -> None:
         ({"method": "astra"}, r"method: got 'astra'; did you mean 'astar'\?"),
         ({"heuristic": "octil"}, r"heuristic: got 'octil'; did you mean 'octile'\?"),
         ({"weight": 2.0}, r"weight: got 2.0 with heuristic='weighted'"),
-        ({"distances": "waters"}, r"distances: got 'waters'; did you mean 'water'\?"),
+        ({"distances": "waters"}, r"static\.distances: got 'waters'; did you mean 'water'\?"),
         ({"tour": "igw"}, r"tour: got 'igw'; did you mean 'igwo'\?"),
-        ({"flip_scope": "maps"}, r"flip_scope: got 'maps'; did you mean 'map'\?"),
-        ({"walled_in": "waits"}, r"walled_in: got 'waits'; did you mean 'wait'\?"),
-        ({"flip_rate": -0.1}, r"flip_rate: got -0.1; wanted a number in \[0, 1\]"),
-        ({"flip_rate": 1.5}, r"flip_rate: got 1.5; wanted a number in \[0, 1\]"),
-        ({"flip_rate": float("nan")}, r"flip_rate: got nan; wanted a finite number"),
-        ({"flip_rate": [0.1, 0.2, 3.0]}, r"flip_rate\[2\]: got 3.0"),
-        ({"flip_rate": [0.1, 0.2]}, r"flip_rate: got 2 numbers; wanted one, or 3"),
-        ({"sensing": (4, 5)}, r"sensing: got \(4, 5\); wanted \(h, w\), two odd"),
-        ({"sensing": (1, 5)}, r"sensing: got \(1, 5\); wanted \(h, w\), two odd"),
-        ({"sensing": None}, r"sensing: got None; wanted \(h, w\), two odd"),
-        ({"max_wait": -1}, r"max_wait: got -1; wanted 0 or more"),
+        ({"flip_scope": "maps"}, r"static\.flip_scope: got 'maps'; did you mean 'map'\?"),
+        ({"walled_in": "waits"}, r"static\.walled_in: got 'waits'; did you mean 'wait'\?"),
+        ({"flip_rate": -0.1}, r"params\.flip_rate: got -0.1; wanted a number in \[0, 1\]"),
+        ({"flip_rate": 1.5}, r"params\.flip_rate: got 1.5; wanted a number in \[0, 1\]"),
+        ({"flip_rate": float("nan")}, r"params\.flip_rate: got nan; wanted a finite number"),
+        ({"flip_rate": [0.1, 0.2, 3.0]}, r"params\.flip_rate\[2\]: got 3.0"),
+        ({"flip_rate": [0.1, 0.2]}, r"params\.flip_rate: got 2 numbers; wanted one, or 3"),
+        ({"sensing": (4, 5)}, r"static\.sensing: got \(4, 5\); wanted \(h, w\), two odd"),
+        ({"sensing": (1, 5)}, r"static\.sensing: got \(1, 5\); wanted \(h, w\), two odd"),
+        ({"max_wait": -1}, r"params\.max_wait: got -1; wanted 0 or more"),
         ({"first": -1}, r"first: got -1; wanted 0 or more"),
-        ({"max_steps": 0}, r"max_steps: got 0; wanted 1 or more"),
-        ({"max_steps": 10**6}, r"max_steps: got 1000000 on maps of 7 x 6 cells; wanted at most"),
+        ({"max_steps": 0}, r"static\.max_steps: got 0; wanted 1 or more"),
+        (
+            {"max_steps": 10**6},
+            r"static\.max_steps: got 1000000 on maps of 7 x 6 cells; wanted at most",
+        ),
         (
             {"max_steps": 2**29, "method": "astar"},
-            r"max_steps: got 536870912 for cruises of 3 stations; wanted at most 178956970",
+            r"static\.max_steps: got 536870912 for cruises of 3 stations; wanted at most 178956970",
         ),
         (
             {"blocked": np.zeros((1400, 1400), bool)},
             r"blocked: got maps of 1400 x 1400 cells, on which a leg can have at most 2634 steps "
-            r"with heuristic='weighted'; wanted smaller maps, or max_steps up to 2634$",
+            r"with heuristic='weighted'; wanted smaller maps, or static\.max_steps up to 2634$",
         ),
         (
             {"blocked": np.zeros((1979, 1979), bool), "max_steps": 9},
@@ -139,11 +147,19 @@ def test_good_input_passes(fine: dict[str, Any]) -> None:
         ({"method": "ga", "planner_options": {"algorithm": "ga"}}, r"got 'algorithm'; valid: it"),
         ({"method": "ga", "planner_options": {"iterations": 0}}, r"iterations: got 0; wanted 1"),
         ({"method": "ga", "planner_options": {1: 2}}, r"planner_options: got 1; valid: iteratio"),
-        ({"max_expansions": 0}, r"max_expansions: got 0; wanted 1 or more"),
-        ({"speed": 0.0}, r"speed: got 0.0; wanted a number above 0"),
+        (
+            {"flip_rate": np.zeros((3, 1))},
+            r"params\.flip_rate: got shape \(3, 1\); wanted one, or 3",
+        ),
+        ({"speed": [1.0, 2.0, 0.0]}, r"params\.speed\[2\]: got 0.0; wanted a number above 0"),
+        ({"max_expansions": 0}, r"static\.max_expansions: got 0; wanted 1 or more"),
+        ({"speed": 0.0}, r"params\.speed: got 0.0; wanted a number above 0"),
         ({"cell_size": -1}, r"cell_size: got -1; wanted a number above 0"),
         ({"blocked": GridMap(BLOCKED[0]), "cell_size": 2}, r"cell_size: got 2 with a GridMap"),
-        ({"method": "aco", "corner_cutting": True}, r"corner_cutting: got True; wanted False"),
+        (
+            {"method": "aco", "corner_cutting": True},
+            r"static\.corner_cutting: got True; wanted False",
+        ),
         ({"planner_options": {"ants": 3}}, r"planner_options: got .* with method='dstar_lite'"),
         ({"key": -1}, r"key: got -1; wanted a seed from 0"),
         ({"key": jax.random.split(jax.random.key(1), 2)}, r"key: got an array of shape \(2,\)"),
@@ -182,6 +198,32 @@ def test_more_cruises_than_memory_holds(method: str, monkeypatch: pytest.MonkeyP
         sail(runs=2 * 10**9, **given)
 
 
+def test_numbers_are_those_of_each_cruise() -> None:
+    with pytest.raises(ComputeError) as caught:
+        sail(flip_rate=jnp.asarray([0.0, 0.5, 1.0]), speed=4)
+    checked = caught.value.args[0]
+    assert checked.rate.tolist() == [0, 2**23, 2**24]
+    assert checked.speed.tolist() == [4.0, 4.0, 4.0]
+    part = checked.part(np.array([2, 1]))
+    assert part.rate.tolist() == [2**24, 2**23]
+    assert part.speed.tolist() == [4.0, 4.0]
+
+
+@pytest.mark.parametrize("cls", [CruiseParams, CruiseStatic])
+def test_every_field_is_explained(cls: Any) -> None:
+    text = inspect.getdoc(cls)
+    assert text is not None
+    entries = text.partition("Attributes:\n")[2]
+    for field in fields(cls):
+        assert re.search(rf"^    {field.name}: [^;:]+;", entries, re.MULTILINE), field.name
+
+
+def test_params_are_a_pytree_and_static_is_hashable() -> None:
+    twice = jax.tree.map(lambda leaf: 2 * leaf, CruiseParams(0.25, 3, 4.0))
+    assert twice == CruiseParams(0.5, 6, 8.0)
+    assert hash(CruiseStatic(sensing=(3, 5))) == hash(CruiseStatic(sensing=(3, 5)))
+
+
 def test_planner_options_are_those_of_plan_paths() -> None:
     keywords = inspect.getfullargspec(planners.plan_paths).kwonlyargs
     assert set(rounds.PLANNER_OPTIONS) == set(keywords) - {"algorithm"}
@@ -193,15 +235,23 @@ def test_planner_options_are_those_of_plan_paths() -> None:
         ({"stations": STATIONS.astype(float)}, r"stations: got dtype float64; wanted int"),
         ({"order": ORDER * 1.0}, r"order: got dtype float64; wanted int"),
         ({"blocked": BLOCKED.astype(int)}, r"blocked: got dtype int64; wanted bool"),
-        ({"flip_rate": "3 %"}, r"flip_rate: got '3 %'; wanted a number"),
-        ({"sensing": 5}, r"sensing: got 5; wanted \(h, w\), two odd"),
-        ({"sensing": (5.0, 5)}, r"sensing: got \(5.0, 5\); wanted \(h, w\), two odd"),
-        ({"max_wait": 1.5}, r"max_wait: got 1.5; wanted a whole number"),
-        ({"corner_cutting": 1}, r"corner_cutting: got 1; wanted True or False"),
-        ({"speed": None}, r"speed: got None; wanted a number"),
+        ({"flip_rate": "3 %"}, r"params\.flip_rate: got '3 %'; wanted a number"),
+        ({"sensing": None}, r"static\.sensing: got None; wanted \(h, w\), two odd"),
+        ({"sensing": 5}, r"static\.sensing: got 5; wanted \(h, w\), two odd"),
+        ({"sensing": (5.0, 5)}, r"static\.sensing: got \(5.0, 5\); wanted \(h, w\), two odd"),
+        ({"max_wait": 1.5}, r"params\.max_wait: got 1.5; wanted a whole number"),
+        ({"corner_cutting": 1}, r"static\.corner_cutting: got 1; wanted True or False"),
+        ({"speed": None}, r"params\.speed: got None; wanted a number"),
         ({"runs": 2.0}, r"runs: got 2.0; wanted a whole number"),
         ({"key": 1.5}, r"key: got 1.5; wanted an integer seed or a JAX key"),
-        ({"method": "aco", "planner_options": {"params": 3}}, r"params: got int; wanted .*AcoPar"),
+        ({"params": {"speed": 3.0}}, r"^params: got dict; wanted CruiseParams$"),
+        ({"static": CruiseParams()}, r"^static: got CruiseParams; wanted CruiseStatic$"),
+        ({"speed": [1.0, 2.0, "3"]}, r"params\.speed\[2\]: got '3'; wanted a number"),
+        ({"max_wait": np.arange(3)}, r"params\.max_wait: got array\(.*\); wanted a whole number"),
+        (
+            {"method": "aco", "planner_options": {"params": 3}},
+            r"^planner_options: params: got int; .*AcoPar",
+        ),
         ({"planner_options": [1]}, r"planner_options: got \[1\]; wanted a mapping"),
     ],
 )

@@ -1,7 +1,6 @@
 """Studies of kind "cruise": what they draw, what they measure, what they refuse."""
 
 import itertools
-from dataclasses import replace
 from types import SimpleNamespace
 
 import jax
@@ -12,11 +11,13 @@ from study_fake import study_rows
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, random_maps, save_map
+from usvjax.missions.cruise import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.chart import TRACK_ID
 from usvjax.missions.cruise.figures import visits_words
 from usvjax.missions.cruise.itinerary import itinerary
 from usvjax.missions.cruise.methods import (
     METHODS,
+    CruiseOptions,
     Posed,
     leg_lengths,
     pose,
@@ -183,7 +184,8 @@ def test_methods_are_what_they_say(method, monkeypatch):
         "gwo": ("gwo", "dstar_lite", "chebyshev"),
     }.get(method, (method, method, "octile"))
     wanted = {"tour": tour, "method": planner, "heuristic": heuristic, "first": 3, "first_tour": 3}
-    wanted |= {"sensing": (3, 5), "flip_rate": 0.03, "cell_size": CELL, "walled_in": "wait"}
+    wanted |= {"params": CruiseParams(), "static": CruiseStatic(sensing=(3, 5))}
+    wanted |= {"cell_size": CELL}
     assert wanted.items() <= seen.items()
     assert (seen["order"] == np.arange(STATIONS)).all()
     # Whatever the method, the cells flip alike.
@@ -269,10 +271,7 @@ def one_cruise(job, **options):
     """A cruise of the small study, and the distances between its stations."""
     (condition,) = parse_spec(cruise_study(cruise=options)).conditions
     posed = pose(condition.case.given.waters, condition.case.given.options, 7, np.asarray([job]))
-    legs = {
-        name: leg_lengths(posed.sites, CELL, replace(posed.options, distances=name))
-        for name in ("straight", "water")
-    }
+    legs = {name: leg_lengths(posed.sites, CELL, name) for name in ("straight", "water")}
     return posed, sail(posed, "recommended"), legs
 
 
@@ -335,13 +334,15 @@ def test_shipped_studies_can_be_read(name, request):
         ("maps", {"source": "lattice"}, "unknown source 'lattice'"),
         ("maps", {"ends": "free"}, "unknown key 'ends'"),
         ("cruise", {"flip_rate": 1.5}, "[cruise]: flip_rate: got 1.5; wanted a number in [0, 1]"),
-        ("cruise", {"flip_rate": -0.1}, "flip_rate: got -0.1"),
-        ("cruise", {"flip_scope": "windw"}, "flip_scope: got 'windw'"),
-        ("cruise", {"distances": "air"}, "distances: got 'air'"),
-        ("cruise", {"walled_in": "swim"}, "walled_in: got 'swim'"),
-        ("cruise", {"sensing": [4, 5]}, "sensing"),
-        ("cruise", {"max_wait": -1}, "max_wait: got -1"),
-        ("cruise", {"speed": 0.0}, "speed: got 0.0"),
+        ("cruise", {"flip_rate": -0.1}, "[cruise]: flip_rate: got -0.1"),
+        ("cruise", {"flip_scope": "windw"}, "[cruise]: flip_scope: got 'windw'"),
+        ("cruise", {"distances": "air"}, "[cruise]: distances: got 'air'"),
+        ("cruise", {"walled_in": "swim"}, "[cruise]: walled_in: got 'swim'"),
+        ("cruise", {"sensing": [4, 5]}, "[cruise]: sensing: got (4, 5)"),
+        ("cruise", {"max_wait": -1}, "[cruise]: max_wait: got -1"),
+        ("cruise", {"max_steps": 0}, "[cruise]: max_steps: got 0"),
+        ("cruise", {"speed": 0.0}, "[cruise]: speed: got 0.0"),
+        ("cruise", {"corner_cutting": True}, "unknown key 'corner_cutting'"),
         ("cruise", {"fliprate": 0.1}, "unknown key 'fliprate'; did you mean 'flip_rate'"),
     ],
 )
@@ -378,6 +379,22 @@ def test_stations_that_cannot_be_used_are_refused(change, words, tmp_path):
     with pytest.raises(BadInputError) as caught:
         parse_spec(study, folder=tmp_path)
     assert words in str(caught.value)
+
+
+def test_the_cruise_table_has_the_fields_of_params_and_static():
+    (condition,) = parse_spec(cruise_study(cruise={"flip_rate": 1, "max_steps": 9})).conditions
+    params, static = CruiseParams(flip_rate=1.0), CruiseStatic(max_steps=9)
+    assert condition.case.given.options == CruiseOptions(params, static)
+    assert condition.settings["cruise"] == {
+        "distances": "straight",
+        "flip_rate": 1.0,
+        "flip_scope": "window",
+        "sensing": (5, 5),
+        "walled_in": "wait",
+        "max_wait": 100,
+        "max_steps": 9,
+        "speed": 10.0,
+    }
 
 
 def test_a_method_that_cannot_count_so_many_steps_is_refused():

@@ -1,6 +1,7 @@
 """The multi-target cruise: stations, an order, and the way through water that changes."""
 
+from usvjax.missions.cruise.params import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.result import CruiseResult
 from usvjax.missions.cruise.run import METHODS, cruise
 
-__all__ = ["METHODS", "CruiseResult", "cruise"]
+__all__ = ["METHODS", "CruiseParams", "CruiseResult", "CruiseStatic", "cruise"]

@@ -1,7 +1,6 @@
 """The figures of the mission "cruise"."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 
 import numpy as np
 import polars as pl
@@ -18,7 +17,7 @@ from usvjax.missions.cruise.methods import (
     shortest_tours,
     tour_lengths,
 )
-from usvjax.missions.cruise.orders import DISTANCES
+from usvjax.missions.cruise.params import DISTANCES
 from usvjax.plots.methods import Comparison, Panel, method_pages
 from usvjax.plots.route import length_words
 from usvjax.plots.style import status_name
@@ -78,10 +77,8 @@ def _example(run: Run, replay: Replay, condition: int) -> tuple[Figure, pl.DataF
         head = f"{run.name}: {head}"
     legs = {
         name: posed.legs
-        if name == posed.options.distances
-        else leg_lengths(
-            posed.sites, posed.waters.cell_size, replace(posed.options, distances=name)
-        )
+        if name == posed.options.static.distances
+        else leg_lengths(posed.sites, posed.waters.cell_size, name)
         for name in DISTANCES
     }
     figure = _cruise_figure(posed, sailed, legs, f"{head}, {method}, job {job} ({why})")
@@ -91,12 +88,12 @@ def _example(run: Run, replay: Replay, condition: int) -> tuple[Figure, pl.DataF
 def _cruise_figure(
     posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray], title: str
 ) -> Figure:
-    options, grid = posed.options, first_map(posed)
+    params, grid = posed.options.params, first_map(posed)
     tour, words = _straight_tour(posed, legs)
     length, time = float(sailed.smooth_length[0]), float(sailed.smooth_time[0])
     facts = [visits_words(sailed), length_words(length)]
-    facts.append(f"{duration_words(time)} at {options.speed:g} m/s")
-    if options.flip_rate:
+    facts.append(f"{duration_words(time)} at {params.speed:g} m/s")
+    if params.flip_rate:
         facts.append("chart as it was at the start")
     way = sailed.smoothed[0, : sailed.smoothed_count[0]]
     return plot_cruise(

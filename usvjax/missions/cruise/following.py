@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from usvjax.missions.cruise.inputs import Mission
+from usvjax.missions.cruise.inputs import Expedition
 from usvjax.paths.blocks import QUICKLY_COMPILED, SIZES, bucket, in_blocks
 from usvkernels.cruise import following
 
@@ -16,7 +16,7 @@ LEAST_STEPS = 64  # there is room for at least, in a call
 
 
 @dataclass(frozen=True)
-class Orders:
+class Followers:
     """Plans, and the vessels that are to follow them; first axis n.
 
     Attributes:
@@ -42,12 +42,12 @@ class Orders:
 
 
 @dataclass(frozen=True)
-class Sailed:
+class Halted:
     """The vessels when all have halted; first axis n.
 
     Attributes:
       truth, known: bool[n, H, W].
-      waited, drawn: as in `Orders`.
+      waited, drawn: as in `Followers`.
       halt: int32[n], `following.Halt`.
       at: int32[n], place in the path.
       made: int32[n], steps.
@@ -64,38 +64,40 @@ class Sailed:
     moves: np.ndarray
 
 
-def follow_paths(mission: Mission, rows: np.ndarray, seeds: np.ndarray, orders: Orders) -> Sailed:
+def follow_paths(
+    expedition: Expedition, rows: np.ndarray, seeds: np.ndarray, followers: Followers
+) -> Halted:
     """Sail some of the cruises along their paths until each halts.
 
     Args:
-      mission: all cruises.
+      expedition: all cruises.
       rows: int[n], which of them.
       seeds: uint32[B, 2], of the flips of all.
-      orders: of the n.
+      followers: of the n.
     """
-    height, width = mission.shape
-    room = bucket(max(orders.path.shape[1], LEAST_STEPS))
-    padded = np.minimum(np.arange(room), orders.path.shape[1] - 1)
-    path = (orders.path[..., 1] * width + orders.path[..., 0])[:, padded].astype(np.int32)
-    stations = mission.stations @ np.array([1, width], np.int32)
+    height, width = expedition.shape
+    room = bucket(max(followers.path.shape[1], LEAST_STEPS))
+    padded = np.minimum(np.arange(room), followers.path.shape[1] - 1)
+    path = (followers.path[..., 1] * width + followers.path[..., 0])[:, padded].astype(np.int32)
+    stations = expedition.stations @ np.array([1, width], np.int32)
     most = max((n for n in SIZES if n * height * width <= MOST_CELLS), default=1)
 
     def work(some: np.ndarray) -> tuple[jax.Array, ...]:
         given = following.Orders(
             path=path[some].T,
-            length=orders.length[some],
-            proven=orders.proven[some],
+            length=followers.length[some],
+            proven=followers.proven[some],
             stations=stations[rows[some]].T,
             seed=seeds[rows[some]].T,
-            rate=mission.rate[rows[some]],
-            left=orders.left[some],
-            max_wait=jax.device_put(np.int32(mission.max_wait)),
+            rate=expedition.rate[rows[some]],
+            left=followers.left[some],
+            max_wait=jax.device_put(np.int32(expedition.max_wait)),
         )
-        vessels = (orders.step[some], orders.waited[some], orders.drawn[some])
-        how = (mission.scope, mission.window, mission.corner_cutting)
-        return _follow(given, orders.truth[some], orders.known[some], *vessels, *how)
+        vessels = (followers.step[some], followers.waited[some], followers.drawn[some])
+        how = (expedition.scope, expedition.window, expedition.corner_cutting)
+        return _follow(given, followers.truth[some], followers.known[some], *vessels, *how)
 
-    return Sailed(*in_blocks(work, len(rows), most))
+    return Halted(*in_blocks(work, len(rows), most))
 
 
 @partial(jax.jit, static_argnums=(6, 7, 8), compiler_options=QUICKLY_COMPILED)
@@ -110,7 +112,7 @@ def _follow(
     window: tuple[int, int],
     corner_cutting: bool,
 ) -> tuple[jax.Array, ...]:
-    """The fields of `Sailed`."""
+    """The fields of `Halted`."""
     room = orders.path.shape[0]
     halt = jnp.full_like(step, int(following.Halt.NOT_YET))
     fleet = following.fleet_of(truth, known, step, waited, drawn, halt, room)

@@ -3,25 +3,24 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-import jax
 import numpy as np
 
-from usvjax.checks import fraction, one_of, positive, whole_number
+from usvjax.checks import positive, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
+from usvjax.missions.cruise.params import check_params, check_static
 from usvjax.search.inputs import check_memory, search_maps
 from usvjax.search.replan_inputs import check_method, clipped_window
 from usvkernels.cruise.flips import BITS
-from usvkernels.cruise.sailing import SCOPES
 from usvkernels.search.dstar_layout import INFINITE, NONE
 from usvkernels.search.replan_heuristics import LONGEST_EQ_17, largest_guide
 from usvkernels.search.steps import DIAGONAL
 
-WALLED_IN = ("wait", "skip", "fail")
-CELL_SIZE = 10.0  # m; Yu et al. 2022, section 5.1, and so the speed
-SPEED = 10.0  # m/s
+CELL_SIZE = 10.0  # m; Yu et al. 2022, section 5.1
 STEPS_PER_SIDE = 8  # of a leg at most, times height plus width of the map
 MOST_STEPS = 2**29  # of a cruise; its moves are counted in int32
+EXPANSIONS_PER_CELL = 16  # of one replanning; without overestimating it takes two at most
+MOST_EXPANSIONS = 2**28
 
 # Of results: a track of one step with its measures, and a leg with its place in the order.
 _BYTES_OF_CRUISE, _BYTES_OF_LEG = 128, 24
@@ -31,7 +30,7 @@ _ORDER = "int [B, d] or [d], each of 0 .. d - 1 once, beginning with 0"
 
 
 @dataclass(frozen=True)
-class Mission:
+class Expedition:
     """The cruises, checked.
 
     Attributes:
@@ -45,8 +44,9 @@ class Mission:
       gives_up: whether a stop without a way ends the cruise.
       max_steps: of a leg.
       own_steps: whether max_steps was given; the default gives way to what a method can count.
+      max_expansions: of D* Lite in one step.
       cell_size: m.
-      speed: m/s.
+      speed: float64[B], m/s.
     """
 
     blocked: np.ndarray
@@ -59,8 +59,9 @@ class Mission:
     gives_up: bool
     max_steps: int
     own_steps: bool
+    max_expansions: int
     cell_size: float
-    speed: float
+    speed: np.ndarray
 
     def __len__(self) -> int:
         return len(self.stations)
@@ -79,7 +80,7 @@ class Mission:
         """int[len(rows)], which map each of these cruises is on."""
         return np.zeros_like(rows) if len(self.blocked) == 1 else rows
 
-    def part(self, rows: np.ndarray) -> "Mission":
+    def part(self, rows: np.ndarray) -> "Expedition":
         """Those of the cruises, int[n]."""
         shared = len(self.blocked) == 1
         return replace(
@@ -87,36 +88,27 @@ class Mission:
             blocked=self.blocked if shared else self.blocked[rows],
             stations=self.stations[rows],
             rate=self.rate[rows],
+            speed=self.speed[rows],
         )
 
 
-def check_mission(
+def check_expedition(
     blocked: Any,
     stations: Any,
+    params: Any,
+    static: Any,
     *,
-    runs: Any,
-    flip_rate: Any,
-    flip_scope: Any,
-    sensing: Any,
-    corner_cutting: Any,
-    walled_in: Any,
-    max_wait: Any,
-    max_steps: Any,
-    cell_size: Any,
-    speed: Any,
-) -> Mission:
-    """Check the arguments that every method has.
+    runs: Any = None,
+    cell_size: Any = None,
+) -> Expedition:
+    """Check the arguments that every method has; see `cruise`.
 
     Raises:
       BadTypeError: an argument of the wrong type or dtype.
       BadInputError: a wrong shape or size, or an impossible value; the message names the argument
         and the first bad row.
     """
-    one_of("flip_scope", flip_scope, SCOPES)
-    one_of("walled_in", walled_in, WALLED_IN)
-    if sensing is None:
-        raise BadInputError("sensing: got None; wanted (h, w), two odd whole numbers of 3 or more")
-    window = check_method("octile", None, corner_cutting, sensing)
+    static = check_static(static)
     grids = search_maps(blocked)
     places = _stations(stations)
     count = _count(len(grids), len(places), runs)
@@ -127,25 +119,26 @@ def check_mission(
         count * (_BYTES_OF_CRUISE + legs * _BYTES_OF_LEG),
         f"{'stations' if runs is None else 'runs'}: {count} cruises of {legs} stations",
     )
-    max_wait = whole_number("max_wait", max_wait, 0)
+    params = check_params(params, count)
     height, width = grids.shape[1:]
-    return Mission(
+    return Expedition(
         blocked=grids,
         stations=np.broadcast_to(places, (count, legs, 2)),
-        rate=_rates(flip_rate, count),
-        scope=flip_scope,
-        window=clipped_window(window, (height, width)),
-        corner_cutting=bool(corner_cutting),
-        max_wait=min(max_wait, 2**30) if walled_in == "wait" else 0,
-        gives_up=walled_in == "fail",
-        max_steps=_max_steps(max_steps, STEPS_PER_SIDE * (height + width), legs),
-        own_steps=max_steps is not None,
+        rate=np.round(params.flip_rate * 2**BITS).astype(np.int32),
+        scope=static.flip_scope,
+        window=clipped_window(static.sensing, (height, width)),
+        corner_cutting=static.corner_cutting,
+        max_wait=min(params.max_wait, 2**30) if static.walled_in == "wait" else 0,
+        gives_up=static.walled_in == "fail",
+        max_steps=_max_steps(static.max_steps, STEPS_PER_SIDE * (height + width), legs),
+        own_steps=static.max_steps is not None,
+        max_expansions=_max_expansions(static.max_expansions, height * width),
         cell_size=_cell_size(blocked, cell_size),
-        speed=positive("speed", speed),
+        speed=params.speed,
     )
 
 
-def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> Mission:
+def check_heuristic(expedition: Expedition, heuristic: Any, weight: Any) -> Expedition:
     """Refuse a heuristic that does not exist, or for which keys would not fit their integers.
 
     Returns:
@@ -154,8 +147,8 @@ def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> Mission:
     Raises:
       BadTypeError, BadInputError: as `dstar_lite`.
     """
-    check_method(heuristic, weight, mission.corner_cutting, None)
-    height, width = mission.shape
+    check_method(heuristic, weight, expedition.corner_cutting, None)
+    height, width = expedition.shape
     eq_17 = heuristic.startswith("weighted") and weight is None
     if eq_17 and height**2 + width**2 > LONGEST_EQ_17**2:
         raise BadInputError(
@@ -165,21 +158,21 @@ def check_heuristic(mission: Mission, heuristic: Any, weight: Any) -> Mission:
     left = NONE - INFINITE - largest_guide(heuristic, weight, height, width) - 4 * DIAGONAL
     most = max(left // DIAGONAL, 0)
     # With fewer steps than these, a default would leave vessels adrift in open water.
-    if most < (1 if mission.own_steps else height + width):
+    if most < (1 if expedition.own_steps else height + width):
         raise BadInputError(
             f"blocked: got maps of {width} x {height} cells, on which a leg can have at most "
             f"{most} steps with heuristic={heuristic!r}; wanted smaller maps"
-            + (f", or max_steps up to {most}" if most else "")
+            + (f", or static.max_steps up to {most}" if most else "")
         )
-    if mission.own_steps and mission.max_steps > most:
+    if expedition.own_steps and expedition.max_steps > most:
         raise BadInputError(
-            f"max_steps: got {mission.max_steps} on maps of {width} x {height} cells; wanted at "
-            f"most {most} with heuristic={heuristic!r}"
+            f"static.max_steps: got {expedition.max_steps} on maps of {width} x {height} cells; "
+            f"wanted at most {most} with heuristic={heuristic!r}"
         )
-    return replace(mission, max_steps=min(mission.max_steps, most))
+    return replace(expedition, max_steps=min(expedition.max_steps, most))
 
 
-def check_order(order: Any, mission: Mission) -> np.ndarray:
+def check_order(order: Any, expedition: Expedition) -> np.ndarray:
     """A given order of the stations, int32[B, d].
 
     Raises:
@@ -192,7 +185,7 @@ def check_order(order: Any, mission: Mission) -> np.ndarray:
         raise BadInputError(f"order: rows of unequal length; wanted {_ORDER}") from None
     if rows.dtype.kind not in "iu":
         raise BadTypeError(f"order: got dtype {rows.dtype}; wanted {_ORDER}")
-    count, legs = len(mission), mission.legs
+    count, legs = len(expedition), expedition.legs
     if rows.ndim not in (1, 2) or rows.shape[-1] != legs or rows.size == 0:
         raise BadInputError(f"order: got shape {rows.shape} for d = {legs}; wanted {_ORDER}")
     rows = np.atleast_2d(rows)
@@ -234,16 +227,19 @@ def _count(maps: int, stations: int, runs: Any) -> int:
     return count
 
 
-def _max_steps(given: Any, default: int, legs: int) -> int:
+def _max_steps(given: int | None, default: int, legs: int) -> int:
     most = MOST_STEPS // legs
     if given is None:
         return min(default, most)
-    given = whole_number("max_steps", given, 1)
     if given > most:
         raise BadInputError(
-            f"max_steps: got {given} for cruises of {legs} stations; wanted at most {most}"
+            f"static.max_steps: got {given} for cruises of {legs} stations; wanted at most {most}"
         )
     return given
+
+
+def _max_expansions(given: int | None, cells: int) -> int:
+    return min(EXPANSIONS_PER_CELL * cells if given is None else given, MOST_EXPANSIONS)
 
 
 def _checked_places(grids: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -269,17 +265,6 @@ def _refuse(places: np.ndarray, bad: Any, why: str) -> None:
         row, station = (int(i) for i in np.argwhere(bad)[0])
         x, y = places[row if len(places) > 1 else 0, station].tolist()
         raise BadInputError(f"stations: ({x}, {y}), station {station} in row {row}, {why}")
-
-
-def _rates(flip_rate: Any, count: int) -> np.ndarray:
-    """Probabilities as multiples of 2^-BITS, int32[B]."""
-    if isinstance(flip_rate, np.ndarray | list | tuple | jax.Array) and np.ndim(flip_rate) == 1:
-        values = np.array([fraction(f"flip_rate[{i}]", v) for i, v in enumerate(flip_rate)])
-        if len(values) != count:
-            raise BadInputError(f"flip_rate: got {len(values)} numbers; wanted one, or {count}")
-    else:
-        values = np.full(count, fraction("flip_rate", flip_rate))
-    return np.round(values * 2**BITS).astype(np.int32)
 
 
 def _cell_size(blocked: Any, cell_size: Any) -> float:

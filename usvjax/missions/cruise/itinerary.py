@@ -57,7 +57,7 @@ def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
 
 def _since_start(posed: Posed, sailed: CruiseResult) -> tuple[np.ndarray, np.ndarray]:
     """Length (m) and time (s) from the start to each way point, float64[Q]."""
-    cell_size, speed = posed.waters.cell_size, posed.options.speed
+    cell_size, speed = posed.waters.cell_size, posed.options.params.speed
     count = sailed.smoothed_count[0]
     chords = np.diff(sailed.smoothed[0, :count].astype(np.float64), axis=0)
     length = cell_size * np.append(0.0, np.cumsum(np.hypot(*chords.T)))

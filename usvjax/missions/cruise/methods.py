@@ -3,19 +3,23 @@
 Studies and figures share these names, and `sail`, which runs one.
 """
 
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import jax
 import numpy as np
 
-from usvjax.checks import one_of
-from usvjax.errors import BadInputError
+from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
 from usvjax.missions.cruise import CruiseResult, cruise
-from usvjax.missions.cruise.inputs import Mission, check_heuristic, check_mission
-from usvjax.missions.cruise.orders import DISTANCES, water_distances
+from usvjax.missions.cruise.inputs import check_expedition, check_heuristic
+from usvjax.missions.cruise.orders import water_distances
+from usvjax.missions.cruise.params import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.scenes import Sites, Waters
+from usvjax.tables import check_keys, field_names, read_table
 from usvjax.tours import solve_tour
 
 # Parts of the study's key; job j's own part is j, and jobs are fewer than 2^31.
@@ -23,7 +27,7 @@ _TOURS, _FLIPS = 2**32 - 1, 2**32 - 2
 
 
 @dataclass(frozen=True)
-class Method:
+class CruiseMethod:
     """A way to sail a cruise.
 
     Attributes:
@@ -39,49 +43,69 @@ class Method:
     heuristic: str = "octile"
 
 
-METHODS: dict[str, Method] = {
-    "recommended": Method("the shortest tour found, D* Lite along shortest paths", "recommended"),
-    "astar": Method("the same tour, A* anew where the way is blocked", "recommended", "astar"),
-    "proposed": Method(
+OPTION_KEYS = tuple(
+    name
+    for name in field_names(CruiseParams, CruiseStatic)
+    if name not in ("corner_cutting", "max_expansions")
+)
+"""Keys of the `[cruise]` table: what a study may choose of a cruise."""
+
+METHODS: dict[str, CruiseMethod] = {
+    "recommended": CruiseMethod(
+        "the shortest tour found, D* Lite along shortest paths", "recommended"
+    ),
+    "astar": CruiseMethod(
+        "the same tour, A* anew where the way is blocked", "recommended", "astar"
+    ),
+    "proposed": CruiseMethod(
         "tour by improved grey wolves, D* Lite with the weighted heuristic (Yu et al. 2022)",
         "igwo",
         heuristic="weighted",
     ),
-    "gwo": Method(
+    "gwo": CruiseMethod(
         "tour by grey wolves, D* Lite with the chess-board distance (Yu et al. 2022, Algorithm 4)",
         "gwo",
         heuristic="chebyshev",
     ),
-    "aco": Method("tour and paths by ants (Yu et al. 2022, Algorithm 1)", "aco", "aco"),
-    "ga": Method("tour and paths by genes (Yu et al. 2022, Algorithm 2)", "ga", "ga"),
-    "cmpso": Method("tour and paths by particles (Yu et al. 2022, Algorithm 3)", "cmpso", "cmpso"),
+    "aco": CruiseMethod("tour and paths by ants (Yu et al. 2022, Algorithm 1)", "aco", "aco"),
+    "ga": CruiseMethod("tour and paths by genes (Yu et al. 2022, Algorithm 2)", "ga", "ga"),
+    "cmpso": CruiseMethod(
+        "tour and paths by particles (Yu et al. 2022, Algorithm 3)", "cmpso", "cmpso"
+    ),
 }
 
 
 @dataclass(frozen=True)
 class CruiseOptions:
-    """The `[cruise]` table; see `usvjax.missions.cruise.cruise`.
+    """The `[cruise]` table: `OPTION_KEYS`, the fields of both.
 
     Attributes:
-        distances: what tours add up: "straight" or "water".
-        flip_rate: probability with which a cell flips at a step.
-        flip_scope: where cells flip: "window" or "map".
-        sensing: (h, w), rows and columns of the window about the vessel.
-        walled_in: what to do while no way is known: "wait", "skip" or "fail".
-        max_wait: steps.
-        max_steps: of a leg; None for 8 times height plus width of the map, or what the keys of
-            D* Lite can count on it.
-        speed: m/s.
+        params: numbers.
+        static: choices.
     """
 
-    distances: str = "straight"
-    flip_rate: float = 0.03
-    flip_scope: str = "window"
-    sensing: tuple[int, int] = (5, 5)
-    walled_in: str = "wait"
-    max_wait: int = 100
-    max_steps: int | None = None
-    speed: float = 10.0
+    params: CruiseParams
+    static: CruiseStatic
+
+    def table(self) -> dict[str, Any]:
+        """The keys of the table and their values."""
+        values = {**asdict(self.params), **asdict(self.static)}
+        return {name: values[name] for name in OPTION_KEYS}
+
+
+def read_options(table: Mapping[str, Any], where: str) -> CruiseOptions:
+    """Read the `[cruise]` table of a study.
+
+    Raises:
+        BadInputError, BadTypeError: as `usvjax.tables.read_table`.
+    """
+    check_keys(table, OPTION_KEYS, where)
+    numbers = field_names(CruiseParams)
+    params = {key: value for key, value in table.items() if key in numbers}
+    static = {key: value for key, value in table.items() if key not in numbers}
+    return CruiseOptions(
+        read_table(CruiseParams, params, where), read_table(CruiseStatic, static, where)
+    )
 
 
 @dataclass(frozen=True)
@@ -136,22 +160,36 @@ def check_options(waters: Waters, options: CruiseOptions) -> dict[str, str]:
     Raises:
         BadTypeError, BadInputError: as `usvjax.missions.cruise.cruise`.
     """
-    one_of("distances", options.distances, DISTANCES)
-    mission = _mission(waters.draw(0, np.arange(8)), waters.cell_size, options)
+    some = waters.draw(0, np.arange(8))
+    with _naming_keys():
+        expedition = check_expedition(
+            some.blocked, some.stations, options.params, options.static, cell_size=waters.cell_size
+        )
     refusals = {}
     for name, method in METHODS.items():
         try:
             if method.planner == "dstar_lite":
-                check_heuristic(mission, method.heuristic, None)
+                with _naming_keys():
+                    check_heuristic(expedition, method.heuristic, None)
         except BadInputError as error:
             refusals[name] = str(error)
     return refusals
 
 
+@contextmanager
+def _naming_keys() -> Iterator[None]:
+    """Name keys of the `[cruise]` table, where `cruise` names fields of its arguments."""
+    try:
+        yield
+    except (BadInputError, BadTypeError) as error:
+        named = rf"\b(?:params|static)\.(?=(?:{'|'.join(OPTION_KEYS)})\b)"
+        raise type(error)(re.sub(named, "", str(error))) from error
+
+
 def pose(waters: Waters, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:
     """Draw the maps and stations of int64[J] jobs that follow one another."""
     sites = waters.draw(seed, jobs)
-    legs = leg_lengths(sites, waters.cell_size, options)
+    legs = leg_lengths(sites, waters.cell_size, options.static.distances)
     return Posed(waters, options, seed, jobs, sites, legs)
 
 
@@ -161,10 +199,13 @@ def first_map(posed: Posed, row: int = 0) -> GridMap:
     return waters.chart or GridMap(posed.sites.blocked[row], waters.cell_size, waters.origin)
 
 
-def leg_lengths(sites: Sites, cell_size: float, options: CruiseOptions) -> np.ndarray:
-    """Distances between stations, float64[J, d, d], m: straight or by water, as is wanted."""
-    if options.distances == "water":
-        return cell_size * water_distances(_mission(sites, cell_size, options)).astype(np.float64)
+def leg_lengths(sites: Sites, cell_size: float, distances: str) -> np.ndarray:
+    """Distances between stations, float64[J, d, d], m, "straight" or by "water"."""
+    if distances == "water":
+        expedition = check_expedition(
+            sites.blocked, sites.stations, CruiseParams(), CruiseStatic(), cell_size=cell_size
+        )
+        return cell_size * water_distances(expedition).astype(np.float64)
     apart = sites.stations[:, :, None] - sites.stations[:, None]
     return cell_size * np.hypot(apart[..., 0], apart[..., 1])
 
@@ -209,21 +250,6 @@ def sail(posed: Posed, method: str) -> CruiseResult:
         order=posed.order(method),
         first=int(posed.jobs[0]),
         cell_size=posed.waters.cell_size,
-        **_under_way(posed.options),
+        params=posed.options.params,
+        static=posed.options.static,
     )
-
-
-def _mission(sites: Sites, cell_size: float, options: CruiseOptions) -> Mission:
-    return check_mission(
-        sites.blocked,
-        sites.stations,
-        runs=None,
-        corner_cutting=False,
-        cell_size=cell_size,
-        **_under_way(options),
-    )
-
-
-def _under_way(options: CruiseOptions) -> dict[str, Any]:
-    """Keyword arguments that `cruise` and its check share."""
-    return {name: value for name, value in asdict(options).items() if name != "distances"}

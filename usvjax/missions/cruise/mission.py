@@ -25,19 +25,21 @@ from usvjax.mission import (
 )
 from usvjax.missions.cruise.methods import (
     METHODS,
+    OPTION_KEYS,
     CruiseCase,
-    CruiseOptions,
     Posed,
     check_options,
     first_map,
     pose,
+    read_options,
     sail,
     tour_lengths,
 )
+from usvjax.missions.cruise.params import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.result import CruiseResult
 from usvjax.missions.cruise.scenes import STATIONS, GridWaters, Lake, RandomWaters, Waters
 from usvjax.sections import Table
-from usvjax.tables import read_table
+from usvjax.tables import field_names
 from usvkernels.status import CRUISE_ENDINGS, Status
 
 Options = RandomWaters | GridWaters
@@ -51,7 +53,11 @@ class CruiseMission:
     tables = MappingProxyType(
         {
             "maps": Table("where cruises take place", _SOURCES, choice="source", default="random"),
-            "cruise": Table("what happens under way", {"": CruiseOptions}),
+            "cruise": Table(
+                "what happens under way",
+                {"": (CruiseParams, CruiseStatic)},
+                without=tuple(set(field_names(CruiseParams, CruiseStatic)) - set(OPTION_KEYS)),
+            ),
         }
     )
     methods = MappingProxyType({name: method.words for name, method in METHODS.items()})
@@ -76,10 +82,10 @@ class CruiseMission:
         name, table, waters, inputs = _read_maps(tables["maps"], files)
         with saying_where(place):
             waters.check(place)
-        options = read_table(CruiseOptions, tables["cruise"], files.table("cruise"))
+        options = read_options(tables["cruise"], files.table("cruise"))
         with saying_where(files.table("cruise")):
             refusals = check_options(waters, options)
-        in_force = {"maps": {"source": name, **asdict(table)}, "cruise": asdict(options)}
+        in_force = {"maps": {"source": name, **asdict(table)}, "cruise": options.table()}
         return Case(in_force, inputs, CruiseCase(waters, options), refusals=refusals)
 
     def pose(self, case: Case, seed: int, jobs: np.ndarray) -> list[Posed]:
@@ -145,7 +151,7 @@ def _recorded(scene: list[Posed], sailed: list[CruiseResult]) -> Recording:
             grounds.append(Ground(grid, np.empty((0, 2)), 0.0, marks))
             places = grid.points_of(cruises.track[row, : steps + 1])
             step = np.hypot(*np.diff(places, axis=0).T)
-            time = np.where(step > 0, step, grid.cell_size) / posed.options.speed
+            time = np.where(step > 0, step, grid.cell_size) / float(posed.options.params.speed)
             tracks.append(Track(np.append(0.0, np.cumsum(time)), "s", places[:, None]))
     return Recording(tuple(grounds), tuple(tracks), sailed)
 

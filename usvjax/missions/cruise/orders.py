@@ -3,22 +3,20 @@
 import jax
 import numpy as np
 
-from usvjax.missions.cruise.inputs import Mission
+from usvjax.missions.cruise.inputs import Expedition
 from usvjax.search.distance import distance_field
 from usvjax.tours import solve_tour
-
-DISTANCES = ("straight", "water")
 
 _MOST_CELLS = 1 << 24  # of distance fields held at a time
 
 
 def tour_order(
-    mission: Mission, key: jax.Array, tour: str, distances: str, first: int
+    expedition: Expedition, key: jax.Array, tour: str, distances: str, first: int
 ) -> np.ndarray:
     """The order of `solve_tour`, int32[B, d], home first.
 
     Args:
-      mission: the cruises.
+      expedition: the cruises.
       key: of the tours' random numbers.
       tour: algorithm of `solve_tour`.
       distances: "straight" between the cells' centres, or "water" along shortest paths on the
@@ -26,31 +24,31 @@ def tour_order(
       first: number of the first cruise.
     """
     if distances == "straight":
-        points, legs = mission.stations.astype(np.float32), None
+        points, legs = expedition.stations.astype(np.float32), None
     else:
-        points, legs = None, water_distances(mission)
+        points, legs = None, water_distances(expedition)
     solved = solve_tour(points, key, algorithm=tour, distances=legs, first=first)
     return np.asarray(solved.order, np.int32)
 
 
-def water_distances(mission: Mission) -> np.ndarray:
+def water_distances(expedition: Expedition) -> np.ndarray:
     """Lengths of shortest paths on the first maps between stations, float32[B, d, d], cells.
 
     inf where there is no path.
     """
-    count, legs = len(mission), mission.legs
-    height, width = mission.shape
-    shared = len(mission.blocked) == 1
+    count, legs = len(expedition), expedition.legs
+    height, width = expedition.shape
+    shared = len(expedition.blocked) == 1
     # Cruises that share map and stations share their distances as well.
-    if shared and np.all(mission.stations == mission.stations[:1]):
-        between = _between(mission.blocked[0], mission.stations[:1])
+    if shared and np.all(expedition.stations == expedition.stations[:1]):
+        between = _between(expedition.blocked[0], expedition.stations[:1])
         return np.broadcast_to(between, (count, legs, legs)).copy()
     step = max(1, _MOST_CELLS // (legs * height * width))
     parts = []
     for first in range(0, count, step):
         rows = slice(first, first + step)
-        maps = mission.blocked[0] if shared else mission.blocked[rows]
-        parts.append(_between(maps, mission.stations[rows]))
+        maps = expedition.blocked[0] if shared else expedition.blocked[rows]
+        parts.append(_between(maps, expedition.stations[rows]))
     return np.concatenate(parts)
 
 

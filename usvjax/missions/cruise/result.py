@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from usvjax.missions.cruise.inputs import Mission
+from usvjax.missions.cruise.inputs import Expedition
 from usvjax.missions.cruise.straightening import WayPoints
 from usvjax.missions.cruise.voyages import Voyages
 from usvkernels.status import Status
@@ -75,21 +75,21 @@ class CruiseResult:
 
 
 def result_of(
-    mission: Mission, order: np.ndarray, seeds: np.ndarray, voyages: Voyages, way: WayPoints
+    expedition: Expedition, order: np.ndarray, seeds: np.ndarray, voyages: Voyages, way: WayPoints
 ) -> CruiseResult:
     """Measure the cruises.
 
     Args:
-      mission: the cruises.
+      expedition: the cruises.
       order: int32[B, d].
       seeds: uint32[B, 2].
       voyages: how they went.
       way: their way points.
     """
     visited, visit_step = _visits(order, voyages)
-    waiting = voyages.waits * mission.cell_size
-    length, inflections = _measured(voyages.track, voyages.steps + 1, mission.cell_size)
-    smooth_length, smooth_inflections = _measured(way.cells, way.count, mission.cell_size)
+    waiting = voyages.waits * expedition.cell_size
+    length, inflections = _measured(voyages.track, voyages.steps + 1, expedition.cell_size)
+    smooth_length, smooth_inflections = _measured(way.cells, way.count, expedition.cell_size)
     return CruiseResult(
         status=_status(voyages.leg_status),
         order=order,
@@ -101,13 +101,13 @@ def result_of(
         steps=voyages.steps,
         waits=voyages.waits,
         length=length,
-        time=(length + waiting) / mission.speed,
+        time=(length + waiting) / expedition.speed,
         inflections=inflections,
         smoothed=way.cells,
         smoothed_step=way.step,
         smoothed_count=way.count,
         smooth_length=smooth_length,
-        smooth_time=(smooth_length + waiting) / mission.speed,
+        smooth_time=(smooth_length + waiting) / expedition.speed,
         smooth_inflections=smooth_inflections,
         expanded=voyages.expanded,
         replanned=voyages.plans,

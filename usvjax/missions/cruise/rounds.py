@@ -1,14 +1,14 @@
 """Cruises with planners that start anew: all that need a plan get it in one call, then all sail."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import jax
 import numpy as np
 
-from usvjax.missions.cruise.following import Orders, follow_paths
-from usvjax.missions.cruise.inputs import Mission
+from usvjax.missions.cruise.following import Followers, follow_paths
+from usvjax.missions.cruise.inputs import Expedition
 from usvjax.missions.cruise.voyages import Voyages, joined_moves, voyages_of
 from usvjax.search.astar import astar
 from usvjax.search.inputs import check_memory
@@ -34,21 +34,25 @@ _ENDINGS = {
 
 
 @dataclass(frozen=True)
-class Planner:
+class LegPlanner:
     """What finds a path from where a vessel is to its stop, on the map as it is known.
 
     Attributes:
       method: of PLANNERS.
       options: keyword arguments of `plan_paths`.
+      key: of its random numbers; of cruise j, plan k the parts (first + j, k).
+      first: number of the first cruise.
     """
 
     method: str
     options: dict[str, Any]
+    key: jax.Array
+    first: int = 0
 
     def check(self) -> None:
         """Refuse what `plan_paths` would, which has nothing to do on a map of one cell."""
         cells = np.zeros((1, 2), np.int32)
-        keys = jax.random.split(jax.random.key(0), 1)
+        keys = jax.random.split(self.key, 1)
         self.paths(np.zeros((1, 1, 1), bool), cells, cells, keys, False)
 
     def paths(
@@ -70,6 +74,23 @@ class Planner:
 
         return plan_paths(blocked, starts, goals, keys, algorithm=self.method, **self.options)
 
+    def keys(self, rows: np.ndarray, planned: np.ndarray) -> jax.Array:
+        """A key for each row's next plan, whatever the other rows are.
+
+        Args:
+          rows: int[n], cruises.
+          planned: int32[B], plans of each so far.
+        """
+        size = 1 << (len(rows) - 1).bit_length()  # few sizes to compile
+        filled = np.resize(rows, size)
+        return _folded(self.key, filled + self.first, planned[filled])[: len(rows)]
+
+
+@jax.jit
+@partial(jax.vmap, in_axes=(None, 0, 0))
+def _folded(key: jax.Array, cruise: jax.Array, plan: jax.Array) -> jax.Array:
+    return jax.random.fold_in(jax.random.fold_in(key, cruise), plan)
+
 
 @dataclass
 class _Fleet:
@@ -90,75 +111,64 @@ class _Fleet:
 
 
 def sail_in_rounds(
-    mission: Mission,
-    order: np.ndarray,
-    seeds: np.ndarray,
-    planner: Planner,
-    key: jax.Array,
-    first: int = 0,
+    expedition: Expedition, order: np.ndarray, seeds: np.ndarray, planner: LegPlanner
 ) -> Voyages:
     """Sail all cruises, in blocks whose maps fit in memory.
 
     Args:
-      mission: the cruises.
+      expedition: the cruises.
       order: int32[B, d], of their stations.
       seeds: uint32[B, 2], of their flips.
       planner: what plans their paths.
-      key: of the planner's random numbers; of cruise j, plan k the parts (first + j, k).
-      first: number of the first cruise.
     """
-    height, width = mission.shape
+    height, width = expedition.shape
     most = max(1, MOST_CELLS // (height * width))
-    blocks = np.array_split(np.arange(len(mission)), -(-len(mission) // most))
+    blocks = np.array_split(np.arange(len(expedition)), -(-len(expedition) // most))
     longest = len(blocks[0])
     what = f"blocked: {longest} cruises at once on {width} x {height} cells"
     check_memory(_PLANES * longest * height * width, what)
     moves, legs = [], []
     for rows in blocks:
-        part = mission.part(rows)
-        fleet = _sailed(part, order[rows], seeds[rows], planner, key, first + int(rows[0]))
+        part = expedition.part(rows)
+        their = replace(planner, first=planner.first + int(rows[0]))
+        fleet = _sailed(part, order[rows], seeds[rows], their)
         used = max(int(fleet.step.max()), 1)
         moves.append(fleet.moves[:, :used])
         legs.append(fleet.legs)
-    home = mission.stations[:, 0]
+    home = expedition.stations[:, 0]
     return voyages_of(home, joined_moves(moves), np.concatenate(legs), 1.0)
 
 
 def _sailed(
-    mission: Mission,
-    order: np.ndarray,
-    seeds: np.ndarray,
-    planner: Planner,
-    key: jax.Array,
-    first: int,
+    expedition: Expedition, order: np.ndarray, seeds: np.ndarray, planner: LegPlanner
 ) -> _Fleet:
     """The cruises when all are over; arguments as of `sail_in_rounds`."""
-    fleet = _begun(mission)
+    fleet = _begun(expedition)
     round_trip = np.concatenate([order, order[:, :1]], axis=1)
-    stops = np.take_along_axis(mission.stations, round_trip[..., None], axis=1)
+    stops = np.take_along_axis(expedition.stations, round_trip[..., None], axis=1)
     # Of two rounds, one makes a step or ends a leg: a plan on the map as seen is not blocked.
     while True:
-        _arrive(mission, fleet, stops)
+        _arrive(expedition, fleet, stops)
         rows = np.flatnonzero(~fleet.over)
         if not len(rows):
             break
         goals = stops[rows, fleet.leg[rows]]
-        keys = _keys(key, rows, first, fleet)
+        keys = planner.keys(rows, fleet.planned)
         known = fleet.known[rows]
-        plans = planner.paths(known, fleet.here[rows], goals, keys, mission.corner_cutting)
+        plans = planner.paths(known, fleet.here[rows], goals, keys, expedition.corner_cutting)
         _count_plans(fleet, rows, plans)
-        _sail_on(mission, fleet, seeds, rows, plans)
+        _sail_on(expedition, fleet, seeds, rows, plans)
     return fleet
 
 
-def _begun(mission: Mission) -> _Fleet:
-    count, legs = len(mission), mission.legs
-    truth = mission.blocked[mission.layers(np.arange(count))].copy()
+def _begun(expedition: Expedition) -> _Fleet:
+    count, legs = len(expedition), expedition.legs
+    truth = expedition.blocked[expedition.layers(np.arange(count))].copy()
     zero = np.zeros(count, np.int32)
     return _Fleet(
         truth=truth,
         known=truth.copy(),
-        here=mission.stations[:, 0].copy(),
+        here=expedition.stations[:, 0].copy(),
         step=zero.copy(),
         first=zero.copy(),
         waited=zero.copy(),
@@ -171,19 +181,6 @@ def _begun(mission: Mission) -> _Fleet:
     )
 
 
-@jax.jit
-@partial(jax.vmap, in_axes=(None, 0, 0))
-def _folded(key: jax.Array, cruise: jax.Array, plan: jax.Array) -> jax.Array:
-    return jax.random.fold_in(jax.random.fold_in(key, cruise), plan)
-
-
-def _keys(key: jax.Array, rows: np.ndarray, first: int, fleet: _Fleet) -> jax.Array:
-    """A key for each row's next plan, whatever the other rows are."""
-    size = 1 << (len(rows) - 1).bit_length()  # few sizes to compile
-    filled = np.resize(rows, size)
-    return _folded(key, filled + first, fleet.planned[filled])[: len(rows)]
-
-
 def _count_plans(fleet: _Fleet, rows: np.ndarray, plans: Any) -> None:
     fleet.planned[rows] += 1
     leg = fleet.leg[rows] - 1
@@ -192,34 +189,34 @@ def _count_plans(fleet: _Fleet, rows: np.ndarray, plans: Any) -> None:
 
 
 def _sail_on(
-    mission: Mission, fleet: _Fleet, seeds: np.ndarray, rows: np.ndarray, plans: Any
+    expedition: Expedition, fleet: _Fleet, seeds: np.ndarray, rows: np.ndarray, plans: Any
 ) -> None:
     """Sail the rows along their plans until each halts, and end legs."""
     found = plans.status == int(Status.FOUND)
     path = np.where(found[:, None, None], plans.path, fleet.here[rows, None])
-    orders = Orders(
+    followers = Followers(
         path=path,
         length=np.where(found, plans.path_cells, 0).astype(np.int32),
         proven=plans.status == int(Status.UNREACHABLE),
-        left=mission.max_steps - (fleet.step - fleet.first)[rows],
+        left=expedition.max_steps - (fleet.step - fleet.first)[rows],
         truth=fleet.truth[rows],
         known=fleet.known[rows],
         step=fleet.step[rows],
         waited=fleet.waited[rows],
         drawn=fleet.drawn[rows],
     )
-    sailed = follow_paths(mission, rows, seeds, orders)
+    sailed = follow_paths(expedition, rows, seeds, followers)
     fleet.truth[rows], fleet.known[rows] = sailed.truth, sailed.known
     fleet.waited[rows], fleet.drawn[rows] = sailed.waited, sailed.drawn
     fleet.here[rows] = path[np.arange(len(rows)), sailed.at]
     _log_moves(fleet, rows, sailed.moves, sailed.made)
     fleet.step[rows] += sailed.made
     for halt, status in _ENDINGS.items():
-        _end_legs(mission, fleet, rows[sailed.halt == halt], status)
+        _end_legs(expedition, fleet, rows[sailed.halt == halt], status)
     # No cell in view came free since this plan: what it has proven holds, and nothing else does.
     dropped = sailed.halt == Halt.DROPPED
-    _end_legs(mission, fleet, rows[dropped & orders.proven], Status.UNREACHABLE)
-    _end_legs(mission, fleet, rows[dropped & ~orders.proven], Status.OUT_OF_BUDGET)
+    _end_legs(expedition, fleet, rows[dropped & followers.proven], Status.UNREACHABLE)
+    _end_legs(expedition, fleet, rows[dropped & ~followers.proven], Status.OUT_OF_BUDGET)
 
 
 def _log_moves(fleet: _Fleet, rows: np.ndarray, moves: np.ndarray, made: np.ndarray) -> None:
@@ -231,22 +228,22 @@ def _log_moves(fleet: _Fleet, rows: np.ndarray, moves: np.ndarray, made: np.ndar
     fleet.moves[rows[row], fleet.step[rows[row]] + slot] = moves[row, slot]
 
 
-def _arrive(mission: Mission, fleet: _Fleet, stops: np.ndarray) -> None:
+def _arrive(expedition: Expedition, fleet: _Fleet, stops: np.ndarray) -> None:
     """End the legs of vessels that are at their stop already, as one that passed over it may be."""
-    row = np.arange(len(mission))
+    row = np.arange(len(expedition))
     while True:
         there = ~fleet.over & np.all(fleet.here == stops[row, fleet.leg], axis=1)
         if not there.any():
             return
-        _end_legs(mission, fleet, np.flatnonzero(there), Status.REACHED)
+        _end_legs(expedition, fleet, np.flatnonzero(there), Status.REACHED)
 
 
-def _end_legs(mission: Mission, fleet: _Fleet, rows: np.ndarray, status: Status) -> None:
+def _end_legs(expedition: Expedition, fleet: _Fleet, rows: np.ndarray, status: Status) -> None:
     fleet.legs[rows, fleet.leg[rows] - 1, 0] = int(status)
     fleet.legs[rows, fleet.leg[rows] - 1, 1] = fleet.step[rows]
-    last = fleet.leg[rows] == mission.legs
+    last = fleet.leg[rows] == expedition.legs
     given_up = status in (Status.UNREACHABLE, Status.OUT_OF_BUDGET)
-    ends = status == Status.TIMED_OUT or (given_up and mission.gives_up)
+    ends = status == Status.TIMED_OUT or (given_up and expedition.gives_up)
     fleet.over[rows] = last | ends
     fleet.leg[rows] = np.where(fleet.over[rows], fleet.leg[rows], fleet.leg[rows] + 1)
     fleet.first[rows] = fleet.step[rows]

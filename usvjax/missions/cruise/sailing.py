@@ -7,12 +7,12 @@ import jax
 import numpy as np
 
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
-from usvjax.missions.cruise.inputs import Mission
+from usvjax.missions.cruise.inputs import Expedition
 from usvjax.missions.cruise.voyages import Voyages, joined_moves, voyages_of
 from usvjax.paths.blocks import bucket
 from usvjax.search.inputs import check_memory
 from usvkernels.cruise import lanes as cruise_lanes
-from usvkernels.cruise.sailing import Cruises, CruiseStatic
+from usvkernels.cruise.sailing import Cruises, SailingStatic
 from usvkernels.lanes import LEAST_LANES
 from usvkernels.search.dstar_layout import Layout, ReplanStatic
 
@@ -42,22 +42,22 @@ class Replanning:
 
 @dataclass(frozen=True)
 class _Task:
-    mission: Mission
+    expedition: Expedition
     order: np.ndarray  # int32[B, d]
     seeds: np.ndarray  # uint32[B, 2]
     replanning: Replanning
-    static: CruiseStatic = field(init=False)
+    static: SailingStatic = field(init=False)
 
     def __post_init__(self) -> None:
-        mission, replanning = self.mission, self.replanning
+        expedition, replanning = self.expedition, self.replanning
         search = ReplanStatic(
-            layout=Layout(*mission.shape),
+            layout=Layout(*expedition.shape),
             heuristic=replanning.heuristic,
             weight=None if replanning.weight is None else float(replanning.weight),
-            corner_cutting=mission.corner_cutting,
-            sensing=mission.window,
+            corner_cutting=expedition.corner_cutting,
+            sensing=expedition.window,
         )
-        object.__setattr__(self, "static", CruiseStatic(search=search, scope=mission.scope))
+        object.__setattr__(self, "static", SailingStatic(search=search, scope=expedition.scope))
 
 
 @dataclass(frozen=True)
@@ -69,38 +69,44 @@ class _Room:
     lanes: int
 
 
-def sail(mission: Mission, order: np.ndarray, seeds: np.ndarray, replanning: Replanning) -> Voyages:
+def sail(
+    expedition: Expedition, order: np.ndarray, seeds: np.ndarray, replanning: Replanning
+) -> Voyages:
     """Sail all cruises.
 
     Args:
-      mission: the cruises.
+      expedition: the cruises.
       order: int32[B, d], of their stations.
       seeds: uint32[B, 2], of their flips.
       replanning: how the vessels replan.
     """
-    task = _Task(mission, order, seeds, replanning)
+    task = _Task(expedition, order, seeds, replanning)
     devices = chosen_devices()
     layout = task.static.search.layout
-    each = max(mission.legs * mission.max_steps, layout.size if len(mission.blocked) > 1 else 1)
+    each = max(
+        expedition.legs * expedition.max_steps, layout.size if len(expedition.blocked) > 1 else 1
+    )
     most = max(1, min(MOST_ROWS, MOST_NUMBERS // each))
-    per_device = -(-len(mission) // (most * len(devices)))
-    count = min(len(mission), per_device * len(devices))
-    parts = np.array_split(np.arange(len(mission)), count)
+    per_device = -(-len(expedition) // (most * len(devices)))
+    count = min(len(expedition), per_device * len(devices))
+    parts = np.array_split(np.arange(len(expedition)), count)
     room = _room(task, len(parts[0]), len(devices))
     found = list(share_out(partial(_sail_part, task, room), parts, devices))
     busy, total = sum(logs[2] for logs in found), sum(logs[3] for logs in found)
     moves = joined_moves([logs[0] for logs in found])
     legs = np.concatenate([logs[1] for logs in found])
-    return voyages_of(mission.stations[:, 0], moves, legs, busy / total)
+    return voyages_of(expedition.stations[:, 0], moves, legs, busy / total)
 
 
 def _room(task: _Task, longest: int, devices: int) -> _Room:
     """What a part of `longest` cruises needs; refuses what the machine cannot hold."""
-    mission, layout = task.mission, task.static.search.layout
+    expedition, layout = task.expedition, task.static.search.layout
     rows = bucket(max(longest, LEAST_LANES))
     lanes = min(rows, task.replanning.max_lanes, max(1, 2**30 // layout.size))
-    room = _Room(rows, bucket(max(longest * mission.legs * mission.max_steps, LEAST_MOVES)), lanes)
-    maps = layout.size * (1 if len(mission.blocked) == 1 else rows)
+    room = _Room(
+        rows, bucket(max(longest * expedition.legs * expedition.max_steps, LEAST_MOVES)), lanes
+    )
+    maps = layout.size * (1 if len(expedition.blocked) == 1 else rows)
     needed = devices * (9 * lanes * layout.size + 2 * maps + 3 * room.moves)
     what = f"blocked: {devices * lanes} cruises at once on {layout.width} x {layout.height} cells"
     check_memory(needed, what)
@@ -111,11 +117,11 @@ def _sail_part(
     task: _Task, room: _Room, rows: np.ndarray, device: jax.Device
 ) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Moves uint8[rows, d * max_steps], legs int32[rows, d, 4], lane-iterations busy and total."""
-    mission = task.mission
+    expedition = task.expedition
     cruises = Cruises(**jax.device_put(_arrays(task, room, rows), device))
     logs = jax.device_get(_run(cruises, task.static, np.int32(len(rows)), room.moves, room.lanes))
-    each = mission.legs * mission.max_steps
-    legs = logs.legs.reshape(-1, mission.legs, 4)[: len(rows)]
+    each = expedition.legs * expedition.max_steps
+    legs = logs.legs.reshape(-1, expedition.legs, 4)[: len(rows)]
     used = max(int(legs[:, :, 1].max()), 1)  # most of the room for moves is never used
     moves = logs.moves[: len(rows) * each].reshape(len(rows), each)[:, :used]
     return moves, legs, float(logs.busy), float(logs.total)
@@ -123,22 +129,22 @@ def _sail_part(
 
 def _arrays(task: _Task, room: _Room, rows: np.ndarray) -> dict[str, np.ndarray]:
     """The fields of `Cruises` for some of the rows; the last fills up the room."""
-    mission, layout = task.mission, task.static.search.layout
+    expedition, layout = task.expedition, task.static.search.layout
     filled = rows[np.minimum(np.arange(room.rows), len(rows) - 1)]
-    shared = len(mission.blocked) == 1
+    shared = len(expedition.blocked) == 1
     order = task.order[filled]
     round_trip = np.concatenate([order, order[:, :1]], axis=1)
-    stops = np.take_along_axis(mission.stations[filled], round_trip[..., None], axis=1)
+    stops = np.take_along_axis(expedition.stations[filled], round_trip[..., None], axis=1)
     own = np.zeros(room.rows) if shared else np.arange(room.rows)
     return {
-        "blocked": layout.plane(mission.blocked if shared else mission.blocked[filled]),
+        "blocked": layout.plane(expedition.blocked if shared else expedition.blocked[filled]),
         "map_of": own.astype(np.int32),
         "stops": layout.index(stops).T,
         "seed": task.seeds[filled].T,
-        "rate": mission.rate[filled],
-        "max_steps": np.asarray(mission.max_steps, np.int32),
-        "max_wait": np.asarray(mission.max_wait, np.int32),
-        "gives_up": np.asarray(mission.gives_up),
+        "rate": expedition.rate[filled],
+        "max_steps": np.asarray(expedition.max_steps, np.int32),
+        "max_wait": np.asarray(expedition.max_wait, np.int32),
+        "gives_up": np.asarray(expedition.gives_up),
         "max_expansions": np.asarray(task.replanning.max_expansions, np.int32),
     }
 
@@ -147,6 +153,6 @@ def _arrays(task: _Task, room: _Room, rows: np.ndarray) -> dict[str, np.ndarray]
     jax.jit, static_argnames=("static", "capacity", "lanes"), compiler_options=COMPILER_OPTIONS
 )
 def _run(
-    cruises: Cruises, static: CruiseStatic, count: jax.Array, capacity: int, lanes: int
+    cruises: Cruises, static: SailingStatic, count: jax.Array, capacity: int, lanes: int
 ) -> cruise_lanes.Logs:
     return cruise_lanes.run(static, cruises, count, capacity=capacity, lanes=lanes, chunk=CHUNK)

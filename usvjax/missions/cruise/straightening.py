@@ -6,7 +6,7 @@ from functools import partial
 import jax
 import numpy as np
 
-from usvjax.missions.cruise.inputs import Mission
+from usvjax.missions.cruise.inputs import Expedition
 from usvjax.missions.cruise.voyages import Voyages
 from usvjax.paths.blocks import QUICKLY_COMPILED, SIZES, bucket, in_blocks
 from usvkernels.cruise.straighten import Sailed, straighten
@@ -31,37 +31,37 @@ class WayPoints:
     count: np.ndarray
 
 
-def pulled_straight(mission: Mission, voyages: Voyages, seeds: np.ndarray) -> WayPoints:
+def pulled_straight(expedition: Expedition, voyages: Voyages, seeds: np.ndarray) -> WayPoints:
     """Pull tracks straight; see `usvkernels.cruise.straighten`.
 
     Args:
-      mission: the cruises.
+      expedition: the cruises.
       voyages: how they went.
       seeds: uint32[B, 2], of their flips.
     """
     room = bucket(max(voyages.track.shape[1], LEAST_STEPS), 4)
     padded = np.minimum(np.arange(room), voyages.track.shape[1] - 1)
     stop = _stops(voyages)
-    height, width = mission.shape
+    height, width = expedition.shape
     most = max((n for n in SIZES if n * height * width <= MOST_CELLS), default=1)
 
     def work(rows: np.ndarray) -> tuple[jax.Array]:
-        numbers = mission.stations[rows] @ np.array([1, width], np.int32)
+        numbers = expedition.stations[rows] @ np.array([1, width], np.int32)
         stops = np.zeros((len(rows), room), bool)
         stops[:, : stop.shape[1]] = stop[rows]
         sailed = Sailed(
-            blocked=mission.blocked[mission.layers(rows)],
+            blocked=expedition.blocked[expedition.layers(rows)],
             track=voyages.track[rows][:, padded].transpose(1, 0, 2),
             steps=voyages.steps[rows],
             stop=jax.device_put(stops.T),
             stations=numbers.T,
             seed=seeds[rows].T,
-            rate=mission.rate[rows],
+            rate=expedition.rate[rows],
         )
-        kept = _straighten(sailed, mission.scope, mission.window, mission.corner_cutting)
+        kept = _straighten(sailed, expedition.scope, expedition.window, expedition.corner_cutting)
         return (kept.T,)
 
-    (kept,) = in_blocks(work, len(mission), most)
+    (kept,) = in_blocks(work, len(expedition), most)
     return _way_points(voyages.track, kept[:, : voyages.track.shape[1]])
 
 

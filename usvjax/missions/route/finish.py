@@ -183,4 +183,4 @@ FINISHES = {
     "arcs": with_arcs,
     "bspline": as_spline,
 }
-"""By `Method.finish`."""
+"""By `RouteMethod.finish`."""

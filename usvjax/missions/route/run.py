@@ -29,7 +29,7 @@ ENDINGS = (Status.FOUND, Status.UNREACHABLE, Status.OUT_OF_BUDGET, Status.COLLID
 
 
 @dataclass(frozen=True)
-class Method:
+class RouteMethod:
     """A way to find a route.
 
     Attributes:
@@ -52,25 +52,27 @@ class Method:
         return self.heuristic == "octile" and not self.weighted and self.turn_mode is None
 
 
-METHODS: dict[str, Method] = {
-    "astar": Method("A*: the shortest route on the grid"),
-    "manhattan": Method(
+METHODS: dict[str, RouteMethod] = {
+    "astar": RouteMethod("A*: the shortest route on the grid"),
+    "manhattan": RouteMethod(
         "A* with Manhattan distance, which overestimates diagonal moves (Zhang et al. 2019)",
         heuristic="manhattan",
     ),
-    "weighted": Method("A* with its heuristic times a weight", weighted=True),
-    "turning": Method("the least sum of length and turning cost", turn_mode="exact"),
-    "turning_parent": Method(
+    "weighted": RouteMethod("A* with its heuristic times a weight", weighted=True),
+    "turning": RouteMethod("the least sum of length and turning cost", turn_mode="exact"),
+    "turning_parent": RouteMethod(
         "A* with turning cost in the choice of the next cell (Zhang et al. 2019, Eq. 7)",
         turn_mode="parent",
     ),
-    "shortened": Method("A*, pulled straight by line of sight (Yu et al. 2022)", finish="shorten"),
-    "key_points": Method("A*, reduced to key points (Wei & Zhang 2023)", finish="key_points"),
-    "smoothed": Method(
+    "shortened": RouteMethod(
+        "A*, pulled straight by line of sight (Yu et al. 2022)", finish="shorten"
+    ),
+    "key_points": RouteMethod("A*, reduced to key points (Wei & Zhang 2023)", finish="key_points"),
+    "smoothed": RouteMethod(
         "A*, pulled straight, corners as arcs of the turning radius (Chen et al. 2023)",
         finish="arcs",
     ),
-    "bspline": Method("A*, as a cubic B-spline, which knows no obstacles", finish="bspline"),
+    "bspline": RouteMethod("A*, as a cubic B-spline, which knows no obstacles", finish="bspline"),
 }
 
 
