@@ -22,7 +22,7 @@ from usvjax.missions.dwa.decision import Decide, Episode
 from usvjax.missions.dwa.inputs import set_scene
 from usvjax.missions.dwa.mission import DwaCondition
 from usvjax.missions.dwa.run import DwaCandidates, NavigateResult, dwa_candidates, navigate_dwa
-from usvjax.missions.dwa.scenes import Scenarios
+from usvjax.missions.dwa.scenes import DwaScenes
 from usvjax.plots.paths import Outcome
 from usvjax.study import Run
 from usvkernels.dwa.params import DwaParams, DwaStatic
@@ -47,7 +47,7 @@ class Replay:
     jobs: NDArray[np.int64]
     params: DwaParams
     static: DwaStatic
-    scenarios: Scenarios
+    scenarios: DwaScenes
     result: NavigateResult
 
     @property

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import jax
 import numpy as np
 import pytest
-from scipy import ndimage
+from cruise_scenes import ponds
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import GridMap, random_maps, save_map
+from usvjax.maps import save_map
 from usvjax.missions.cruise.chart import TRACK_ID
 from usvjax.missions.cruise.figures import typical_cruise, visits_words
 from usvjax.missions.cruise.itinerary import itinerary
@@ -23,7 +23,6 @@ from usvjax.missions.cruise.methods import (
     shortest_tours,
     tour_lengths,
 )
-from usvjax.missions.cruise.scenes import GridWaters, Lake, RandomWaters
 from usvjax.missions.dwa.figures import figures_for_run
 from usvjax.plots.route import length_words
 from usvjax.study import load_run, load_spec, parse_spec, run_study
@@ -71,14 +70,6 @@ def finished(tmp_path_factory):
     """A run of two conditions, one of them calm."""
     study = cruise_study(axes={"cruise.flip_rate": [0.0, 0.2]})
     return run_study(parse_spec(study), tmp_path_factory.mktemp("runs"), devices=1)
-
-
-def ponds():
-    """Two bodies of water, the larger one in the west, 18 cells of 50 m by 10."""
-    blocked = np.ones((10, 18), bool)
-    blocked[1:9, 1:10] = False
-    blocked[1:9, 12:17] = False
-    return GridMap(blocked, cell_size=50.0, origin=(1000.0, -500.0))
 
 
 def test_tours_are_the_shortest_by_water(spec, rows):
@@ -199,30 +190,6 @@ def test_a_study_resumes_as_if_it_had_not_stopped(finished, tmp_path):
     assert resumed.summary == finished.summary
     statuses = [c["methods"][0]["statuses"] for c in resumed.summary["conditions"]]
     assert statuses[0]["REACHED"]["count"] == 8 > statuses[1]["REACHED"]["count"]
-
-
-def test_random_stations_lie_apart_in_the_largest_water():
-    waters = RandomWaters((12, 12), 0.3, 10.0, stations=6, min_distance=30.0)
-    drawn = waters.draw(3, JOBS + 4)
-    np.testing.assert_array_equal(drawn.blocked, random_maps(3, 8, (12, 12), 0.3, first=4))
-    for blocked, stations in zip(drawn.blocked, drawn.stations, strict=True):
-        labels, _ = ndimage.label(~blocked)
-        body = labels[stations[:, 1], stations[:, 0]]
-        assert len(set(body)) == 1
-        assert (labels == body[0]).sum() == np.bincount(labels[labels > 0]).max()
-        apart = np.hypot(*np.moveaxis(stations[:, None] - stations[None], -1, 0))
-        assert apart[~np.eye(6, dtype=bool)].min() >= 3.0
-    again = waters.draw(3, JOBS + 9)
-    np.testing.assert_array_equal(again.stations[:3], drawn.stations[5:])
-    assert len(np.unique(drawn.stations[:, 0], axis=0)) > 5
-
-
-def test_stations_of_a_map_keep_off_the_shore():
-    lake = Lake(ponds(), GridWaters("ponds", stations=4, min_distance=150.0, min_clearance=100.0))
-    stations = lake.draw(1, np.arange(50)).stations
-    # Two cells from the shore of the western pond, every one of them sometimes drawn.
-    cells = {(x, y) for x in range(2, 9) for y in range(2, 8)}
-    assert set(map(tuple, stations.reshape(-1, 2).tolist())) == cells
 
 
 def test_given_places_are_every_jobs(tmp_path):
@@ -357,8 +324,8 @@ def test_settings_that_cannot_be_used_are_refused(table, change, words):
     ("change", "words"),
     [
         ({"inflate": -1.0}, "'inflate' must be 0 or more"),
-        ({"min_clearance": 300.0}, "0 cells where a station may be, has no room for 20 stations"),
-        ({"min_clearance": float("nan")}, "'min_clearance' must be 0 or more"),
+        ({"shore_distance": 300.0}, "0 cells where a station may be, has no room for 20 stations"),
+        ({"shore_distance": float("nan")}, "'shore_distance' must be 0 or more"),
         ({"places": [[1075.0, -425.0]]}, "must have 2 to 200 stations"),
         ({"places": [[1075.0, -425.0], [1010.0, -425.0]]}, "(1010, -425) is not on the map's"),
         ({"places": [[1075.0, -425.0], [1.0, 2.0]]}, "(1, 2) is not on the map's water"),

@@ -15,7 +15,7 @@ from usvjax.maps import GridMap
 from usvjax.missions.cruise import CruiseResult, cruise
 from usvjax.missions.cruise.inputs import Mission, check_heuristic, check_mission
 from usvjax.missions.cruise.orders import DISTANCES, water_distances
-from usvjax.missions.cruise.scenes import Sites, Waters
+from usvjax.missions.cruise.scenes import CruiseScenes, Source
 from usvjax.tours import solve_tour
 
 # Parts of the study's key; job j's own part is j, and jobs are fewer than 2^31.
@@ -98,11 +98,11 @@ class Posed:
         orders: int32[J, d], by algorithm of `solve_tour`, as far as they have been wanted.
     """
 
-    waters: Waters
+    waters: Source
     options: CruiseOptions
     seed: int
     jobs: np.ndarray
-    sites: Sites
+    sites: CruiseScenes
     legs: np.ndarray
     orders: dict[str, np.ndarray] = field(default_factory=dict)
 
@@ -114,7 +114,7 @@ class Posed:
         return self.orders[algorithm]
 
 
-def check_options(waters: Waters, options: CruiseOptions) -> dict[str, str]:
+def check_options(waters: Source, options: CruiseOptions) -> dict[str, str]:
     """Refuse what `cruise` would, before a run directory exists.
 
     Returns:
@@ -135,7 +135,7 @@ def check_options(waters: Waters, options: CruiseOptions) -> dict[str, str]:
     return refusals
 
 
-def pose(waters: Waters, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:
+def pose(waters: Source, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:
     """Draw the maps and stations of int64[J] jobs that follow one another."""
     sites = waters.draw(seed, jobs)
     legs = leg_lengths(sites, waters.cell_size, options)
@@ -148,7 +148,7 @@ def first_map(posed: Posed) -> GridMap:
     return waters.chart or GridMap(posed.sites.blocked[0], waters.cell_size, waters.origin)
 
 
-def leg_lengths(sites: Sites, cell_size: float, options: CruiseOptions) -> np.ndarray:
+def leg_lengths(sites: CruiseScenes, cell_size: float, options: CruiseOptions) -> np.ndarray:
     """Distances between stations, float64[J, d, d], m: straight or by water, as is wanted."""
     if options.distances == "water":
         return cell_size * water_distances(_mission(sites, cell_size, options)).astype(np.float64)
@@ -200,7 +200,7 @@ def sail(posed: Posed, method: str) -> CruiseResult:
     )
 
 
-def _mission(sites: Sites, cell_size: float, options: CruiseOptions) -> Mission:
+def _mission(sites: CruiseScenes, cell_size: float, options: CruiseOptions) -> Mission:
     return check_mission(
         sites.blocked,
         sites.stations,

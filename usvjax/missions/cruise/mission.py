@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.maps.tables import read_map, read_source, saying_where
+from usvjax.errors import saying_where
+from usvjax.maps.chart import read_chart
+from usvjax.maps.tables import read_source
 from usvjax.mission import LastShard, Metric, Prepared
 from usvjax.missions.cruise.methods import (
     METHODS,
@@ -24,15 +26,15 @@ from usvjax.missions.cruise.methods import (
     sail,
     tour_lengths,
 )
-from usvjax.missions.cruise.scenes import STATIONS, GridWaters, Lake, RandomWaters, Waters
+from usvjax.missions.cruise.scenes import STATIONS, CellTable, ChartSource, ChartTable, Source
 from usvjax.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.tables import field_names, read_table
 from usvkernels.status import CRUISE_ENDINGS, Status
 
-Options = RandomWaters | GridWaters
+Table = CellTable | ChartTable
 
-_SOURCES: dict[str, type[Options]] = {"random": RandomWaters, "grid": GridWaters}
+_SOURCES: dict[str, type[Table]] = {"random": CellTable, "grid": ChartTable}
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class CruiseCondition:
         options: of the cruises.
     """
 
-    waters: Waters
+    waters: Source
     options: CruiseOptions
 
 
@@ -126,12 +128,12 @@ def _columns(posed: Posed, method: str, metrics: tuple[Metric, ...]) -> dict[str
 
 def _read_maps(
     table: Mapping[str, Any], folder: Path, where: str
-) -> tuple[str, Options, Waters, dict[str, str]]:
+) -> tuple[str, Table, Source, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
     name, options = read_source(table, _SOURCES, "random", where)
-    if isinstance(options, RandomWaters):
+    if isinstance(options, CellTable):
         return name, options, options, {}
     if options.stations is None and options.places is None:
         options = replace(options, stations=STATIONS)
-    grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)
-    return name, options, Lake(grid, options), {options.map: digest}
+    grid, digest = read_chart(options.map, options.cell_size, options.refine, folder, where)
+    return name, options, ChartSource(grid, options), {options.map: digest}

@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps.tables import read_map, read_source, saying_where
+from usvjax.errors import BadInputError, BadTypeError, saying_where
+from usvjax.maps.chart import read_chart
+from usvjax.maps.tables import read_source
 from usvjax.mission import Metric, Prepared
 from usvjax.missions.dwa.inputs import set_scene
 from usvjax.missions.dwa.presets import check_dwa, fit_window, preset
 from usvjax.missions.dwa.run import navigate_dwa
-from usvjax.missions.dwa.scenes import LatticeMaps, RandomMaps, Source
-from usvjax.missions.dwa.water import GridMaps, Water
+from usvjax.missions.dwa.scenes import ChartSource, ChartTable, DiscTable, LatticeTable, Source
 from usvjax.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.tables import check_keys, field_names, read_values
@@ -30,10 +30,12 @@ from usvkernels.status import EPISODE_ENDINGS, Status
 
 DEFAULT_PRESET = "tan2022"
 
-_SOURCES: dict[str, type[LatticeMaps] | type[RandomMaps] | type[GridMaps]] = {
-    "lattice": LatticeMaps,
-    "random": RandomMaps,
-    "grid": GridMaps,
+Table = LatticeTable | DiscTable | ChartTable
+
+_SOURCES: dict[str, type[Table]] = {
+    "lattice": LatticeTable,
+    "random": DiscTable,
+    "grid": ChartTable,
 }
 
 
@@ -42,7 +44,7 @@ class DwaCondition:
     """One condition of a DWA study.
 
     Attributes:
-        source: draws the scenarios.
+        source: draws the scenes.
         params, static: of the method; `static.method` is set per run.
     """
 
@@ -83,7 +85,7 @@ class DwaWorkload:
         source.check(float(params.radius), place)
         source.check_outside_goal(float(params.goal_tolerance), place)
         with saying_where(place):
-            _try_scenarios(source, params, static)
+            _try_scenes(source, params, static)
         in_force = {
             "maps": {"source": name, **asdict(options)},
             "params": asdict(params),
@@ -96,12 +98,12 @@ class DwaWorkload:
     ) -> dict[str, np.ndarray]:
         """Run episodes; see `Workload.run`."""
         given: DwaCondition = condition.payload
-        scenarios = given.source.draw(spec.seed, jobs, float(given.params.radius))
+        scenes = given.source.draw(spec.seed, jobs, float(given.params.radius))
         result = navigate_dwa(
-            scenarios.obstacles,
-            scenarios.starts,
-            scenarios.goals,
-            valid=scenarios.valid,
+            scenes.obstacles,
+            scenes.starts,
+            scenes.goals,
+            valid=scenes.valid,
             params=given.params,
             static=replace(given.static, method=method),
         )
@@ -109,7 +111,7 @@ class DwaWorkload:
         return {"status": result.status, **columns}
 
 
-def _try_scenarios(source: Source, params: DwaParams, static: DwaStatic) -> None:
+def _try_scenes(source: Source, params: DwaParams, static: DwaStatic) -> None:
     """Refuse what `navigate_dwa` would, before a run directory exists."""
     some = source.draw(0, np.arange(2), float(params.radius))
     set_scene(some.obstacles, some.starts, some.goals, some.valid, params, static, None)
@@ -141,10 +143,10 @@ def _read_method(
 
 def _read_maps(
     table: Mapping[str, Any], folder: Path, where: str
-) -> tuple[str, LatticeMaps | RandomMaps | GridMaps, Source, dict[str, str]]:
+) -> tuple[str, Table, Source, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
     name, options = read_source(table, _SOURCES, "lattice", where)
-    if not isinstance(options, GridMaps):
+    if not isinstance(options, ChartTable):
         return name, options, options, {}
-    grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)
-    return name, options, Water(grid, options), {options.map: digest}
+    grid, digest = read_chart(options.map, options.cell_size, options.refine, folder, where)
+    return name, options, ChartSource(grid, options), {options.map: digest}

@@ -15,10 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.errors import saying_where
+from usvjax.maps.chart import map_digest, read_chart
 from usvjax.maps.disk import read_bytes
-from usvjax.maps.tables import map_digest, read_map, read_source, saying_where
+from usvjax.maps.tables import read_source
 from usvjax.mission import LastShard, Metric, Prepared
-from usvjax.missions.route.movingai import ScenarioQueries, read_benchmark
 from usvjax.missions.route.run import (
     ENDINGS,
     METHODS,
@@ -30,19 +31,26 @@ from usvjax.missions.route.run import (
     find_paths,
     finish_routes,
 )
-from usvjax.missions.route.scenes import Chart, GridQueries, QuerySource, RandomQueries
+from usvjax.missions.route.scenes import (
+    CellTable,
+    ChartSource,
+    ChartTable,
+    ScenTable,
+    Source,
+    scen_source,
+)
 from usvjax.search.astar import AstarResult
 from usvjax.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.tables import field_names, read_table
 from usvkernels.status import Status
 
-Options = RandomQueries | GridQueries | ScenarioQueries
+Table = CellTable | ChartTable | ScenTable
 
-_SOURCES: dict[str, type[Options]] = {
-    "random": RandomQueries,
-    "grid": GridQueries,
-    "movingai": ScenarioQueries,
+_SOURCES: dict[str, type[Table]] = {
+    "random": CellTable,
+    "grid": ChartTable,
+    "movingai": ScenTable,
 }
 
 
@@ -56,7 +64,7 @@ class RouteCondition:
         smoothing: settings of what is done to their paths.
     """
 
-    source: QuerySource
+    source: Source
     search: SearchOptions
     smoothing: SmoothingOptions
 
@@ -177,16 +185,16 @@ def _pose(given: RouteCondition, seed: int, jobs: np.ndarray) -> _Posed:
 
 def _read_maps(
     table: Mapping[str, Any], folder: Path, where: str
-) -> tuple[str, Options, QuerySource, dict[str, str]]:
+) -> tuple[str, Table, Source, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
     name, options = read_source(table, _SOURCES, "random", where)
-    if isinstance(options, RandomQueries):
+    if isinstance(options, CellTable):
         return name, options, options, {}
-    if isinstance(options, GridQueries):
-        grid, digest = read_map(options.map, options.cell_size, options.refine, folder, where)
-        return name, options, Chart(grid, options), {options.map: digest}
+    if isinstance(options, ChartTable):
+        grid, digest = read_chart(options.map, options.cell_size, options.refine, folder, where)
+        return name, options, ChartSource(grid, options), {options.map: digest}
     with saying_where(where):
-        benchmark = read_benchmark(options, folder, where)
+        source = scen_source(options, folder, where)
         lines = hashlib.sha256(read_bytes(folder / options.scen)).hexdigest()
-    inputs = {options.scen: lines, benchmark.chart.name: map_digest(benchmark.chart)}
-    return name, options, benchmark, inputs
+    inputs = {options.scen: lines, source.chart.name: map_digest(source.chart)}
+    return name, options, source, inputs

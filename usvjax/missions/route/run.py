@@ -12,7 +12,7 @@ import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.missions.route.finish import FINISHES, Sailing
-from usvjax.missions.route.scenes import Queries
+from usvjax.missions.route.scenes import RouteScenes
 from usvjax.paths.blocks import padded_points
 from usvjax.paths.metrics import path_metrics
 from usvjax.search.astar import (
@@ -120,7 +120,7 @@ class Area:
         origin: (x, y) of the south-west corner, m.
     """
 
-    queries: Queries
+    queries: RouteScenes
     cell_size: float
     origin: tuple[float, float]
 
@@ -205,7 +205,7 @@ def check_options(
             refuse("smoothing", key, wanted, value)
 
 
-def find_paths(queries: Queries, options: SearchOptions, method: str) -> AstarResult:
+def find_paths(queries: RouteScenes, options: SearchOptions, method: str) -> AstarResult:
     """Run the search of a method.
 
     Args:
