@@ -78,13 +78,13 @@ def test_tours_are_the_shortest_by_water(spec, rows):
         tours = ((0, *rest, 0) for rest in itertools.permutations(range(1, STATIONS)))
         shortest = min(sum(legs[a, b] for a, b in itertools.pairwise(tour)) for tour in tours)
         assert rows["tour_length"][job] == pytest.approx(shortest, rel=1e-6)
-        straight = CELL * np.hypot(*np.ptp(posed.sites.stations[job][[0, 1]], axis=0))
+        straight = CELL * np.hypot(*np.ptp(posed.scenes.stations[job][[0, 1]], axis=0))
         assert legs[0, 1] >= straight - 1e-3
 
 
 def _settings(spec):
     payload = spec.conditions[0].payload
-    return payload.waters, payload.options
+    return payload.source, payload.options
 
 
 def test_measures_agree_with_one_another(rows):
@@ -131,7 +131,7 @@ def test_jobs_that_do_not_follow_one_another_are_sailed_in_parts(tmp_path, monke
     rows = spec.workload.run(spec, condition, "recommended", np.array([6, 1, 2, 4]))
     assert [first for first, _ in seen] == [6, 1, 4]
     assert rows["length"].tolist() == [6, 1, 2, 4]
-    drawn = condition.payload.waters.draw(7, np.arange(7)).stations
+    drawn = condition.payload.source.draw(7, np.arange(7)).stations
     np.testing.assert_array_equal(np.concatenate([s for _, s in seen]), drawn[[6, 1, 2, 4]])
 
 
@@ -161,10 +161,10 @@ def test_methods_are_what_they_say(method, monkeypatch):
     monkeypatch.setattr("usvjax.missions.cruise.methods.solve_tour", solved)
     monkeypatch.setattr("usvjax.missions.cruise.methods.cruise", sailed)
     (condition,) = parse_spec(cruise_study(cruise={"sensing": [3, 5]})).conditions
-    waters, options = condition.payload.waters, condition.payload.options
-    sites = waters.draw(7, np.arange(3, 5))
+    source, options = condition.payload.source, condition.payload.options
+    scenes = source.draw(7, np.arange(3, 5))
     legs = np.zeros((2, STATIONS, STATIONS))
-    sail(Posed(waters, options, 7, np.arange(3, 5), sites, legs), method)
+    sail(Posed(source, options, 7, np.arange(3, 5), scenes, legs), method)
     tour, planner, heuristic = {
         "recommended": ("recommended", "dstar_lite", "octile"),
         "astar": ("recommended", "astar", "octile"),
@@ -196,7 +196,7 @@ def test_given_places_are_every_jobs(tmp_path):
     save_map(ponds(), tmp_path / "ponds.map")
     maps = {"source": "grid", "map": "ponds.map", "places": [[1075, -425], [1480, -60.5]]}
     (condition,) = parse_spec(cruise_study(maps=maps), folder=tmp_path).conditions
-    drawn = condition.payload.waters.draw(0, np.arange(2))
+    drawn = condition.payload.source.draw(0, np.arange(2))
     assert drawn.stations.tolist() == [[[1, 1], [9, 8]]] * 2
     assert drawn.blocked.shape == (10, 18)
     assert list(condition.inputs) == ["ponds.map"]
@@ -233,9 +233,9 @@ def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch
 def one_cruise(job, **options):
     """A cruise of the small study, and the distances between its stations."""
     (condition,) = parse_spec(cruise_study(cruise=options)).conditions
-    posed = pose(condition.payload.waters, condition.payload.options, 7, np.asarray([job]))
+    posed = pose(condition.payload.source, condition.payload.options, 7, np.asarray([job]))
     legs = {
-        name: leg_lengths(posed.sites, CELL, replace(posed.options, distances=name))
+        name: leg_lengths(posed.scenes, CELL, replace(posed.options, distances=name))
         for name in ("straight", "water")
     }
     return posed, sail(posed, "recommended"), legs
@@ -248,7 +248,7 @@ def test_an_itinerary_is_the_cruise_stop_by_stop():
     order = [*sailed.order[0], 0]
     assert stops["station"].to_list() == order
     np.testing.assert_allclose(
-        stops.select("x_m", "y_m"), (posed.sites.stations[0][order] + 0.5) * CELL
+        stops.select("x_m", "y_m"), (posed.scenes.stations[0][order] + 0.5) * CELL
     )
     (straight,) = tour_lengths(legs["straight"], [order[:-1]])
     assert stops["straight_m"].sum() == pytest.approx(straight)

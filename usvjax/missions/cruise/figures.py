@@ -71,7 +71,7 @@ def _example(
     method = run.methods[0]
     job, why = typical_cruise(table, method)
     seed = int(run.manifest["study"]["seed"])
-    posed = pose(payload.waters, payload.options, seed, np.asarray([job], np.int64))
+    posed = pose(payload.source, payload.options, seed, np.asarray([job], np.int64))
     sailed = sail(posed, method)
     rows = rows_of(run, table, condition, method, [job])
     same = rows["status"].to_numpy() == sailed.status
@@ -84,7 +84,7 @@ def _example(
         name: posed.legs
         if name == posed.options.distances
         else leg_lengths(
-            posed.sites, posed.waters.cell_size, replace(posed.options, distances=name)
+            posed.scenes, posed.source.cell_size, replace(posed.options, distances=name)
         )
         for name in DISTANCES
     }
@@ -105,7 +105,7 @@ def _cruise_figure(
     way = sailed.smoothed[0, : sailed.smoothed_count[0]]
     return plot_cruise(
         grid,
-        grid.points_of(posed.sites.stations[0]),
+        grid.points_of(posed.scenes.stations[0]),
         sailed.order[0],
         grid.points_of(way),
         visited=sailed.visited[0],

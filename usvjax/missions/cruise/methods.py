@@ -89,20 +89,20 @@ class Posed:
     """Cruises of jobs that follow one another, before they are sailed.
 
     Attributes:
-        waters: what drew them.
+        source: what drew them.
         options: of the cruises.
         seed: of the study.
         jobs: int64[J].
-        sites: maps and stations, in the order of the jobs.
+        scenes: maps and stations, in the order of the jobs.
         legs: float64[J, d, d], distances between stations, m, as tours add them up.
         orders: int32[J, d], by algorithm of `solve_tour`, as far as they have been wanted.
     """
 
-    waters: Source
+    source: Source
     options: CruiseOptions
     seed: int
     jobs: np.ndarray
-    sites: CruiseScenes
+    scenes: CruiseScenes
     legs: np.ndarray
     orders: dict[str, np.ndarray] = field(default_factory=dict)
 
@@ -114,7 +114,7 @@ class Posed:
         return self.orders[algorithm]
 
 
-def check_options(waters: Source, options: CruiseOptions) -> dict[str, str]:
+def check_options(source: Source, options: CruiseOptions) -> dict[str, str]:
     """Refuse what `cruise` would, before a run directory exists.
 
     Returns:
@@ -124,7 +124,7 @@ def check_options(waters: Source, options: CruiseOptions) -> dict[str, str]:
         BadTypeError, BadInputError: as `usvjax.missions.cruise.cruise`.
     """
     one_of("distances", options.distances, DISTANCES)
-    mission = _mission(waters.draw(0, np.arange(8)), waters.cell_size, options)
+    mission = _mission(source.draw(0, np.arange(8)), source.cell_size, options)
     refusals = {}
     for name, method in METHODS.items():
         try:
@@ -135,24 +135,24 @@ def check_options(waters: Source, options: CruiseOptions) -> dict[str, str]:
     return refusals
 
 
-def pose(waters: Source, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:
+def pose(source: Source, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:
     """Draw the maps and stations of int64[J] jobs that follow one another."""
-    sites = waters.draw(seed, jobs)
-    legs = leg_lengths(sites, waters.cell_size, options)
-    return Posed(waters, options, seed, jobs, sites, legs)
+    scenes = source.draw(seed, jobs)
+    legs = leg_lengths(scenes, source.cell_size, options)
+    return Posed(source, options, seed, jobs, scenes, legs)
 
 
 def first_map(posed: Posed) -> GridMap:
     """The map of the first cruise; a shared one as it was before it was inflated."""
-    waters = posed.waters
-    return waters.chart or GridMap(posed.sites.blocked[0], waters.cell_size, waters.origin)
+    source = posed.source
+    return source.chart or GridMap(posed.scenes.blocked[0], source.cell_size, source.origin)
 
 
-def leg_lengths(sites: CruiseScenes, cell_size: float, options: CruiseOptions) -> np.ndarray:
+def leg_lengths(scenes: CruiseScenes, cell_size: float, options: CruiseOptions) -> np.ndarray:
     """Distances between stations, float64[J, d, d], m: straight or by water, as is wanted."""
     if options.distances == "water":
-        return cell_size * water_distances(_mission(sites, cell_size, options)).astype(np.float64)
-    apart = sites.stations[:, :, None] - sites.stations[:, None]
+        return cell_size * water_distances(_mission(scenes, cell_size, options)).astype(np.float64)
+    apart = scenes.stations[:, :, None] - scenes.stations[:, None]
     return cell_size * np.hypot(apart[..., 0], apart[..., 1])
 
 
@@ -188,22 +188,22 @@ def sail(posed: Posed, method: str) -> CruiseResult:
     """
     chosen = METHODS[method]
     return cruise(
-        posed.sites.blocked,
-        posed.sites.stations,
+        posed.scenes.blocked,
+        posed.scenes.stations,
         jax.random.fold_in(jax.random.key(posed.seed), _FLIPS),
         method=chosen.planner,
         heuristic=chosen.heuristic,
         order=posed.order(method),
         first=int(posed.jobs[0]),
-        cell_size=posed.waters.cell_size,
+        cell_size=posed.source.cell_size,
         **_under_way(posed.options),
     )
 
 
-def _mission(sites: CruiseScenes, cell_size: float, options: CruiseOptions) -> Mission:
+def _mission(scenes: CruiseScenes, cell_size: float, options: CruiseOptions) -> Mission:
     return check_mission(
-        sites.blocked,
-        sites.stations,
+        scenes.blocked,
+        scenes.stations,
         runs=None,
         corner_cutting=False,
         cell_size=cell_size,

@@ -42,11 +42,11 @@ class CruiseCondition:
     """One condition of a study of cruises.
 
     Attributes:
-        waters: draws the maps and stations.
+        source: draws the maps and stations.
         options: of the cruises.
     """
 
-    waters: Source
+    source: Source
     options: CruiseOptions
 
 
@@ -84,14 +84,14 @@ class CruiseWorkload:
     ) -> Prepared:
         """Check one condition; see `Workload.prepare`."""
         place = f"{where}: [maps]"
-        name, table, waters, inputs = _read_maps(settings["maps"], folder, place)
+        name, table, source, inputs = _read_maps(settings["maps"], folder, place)
         with saying_where(place):
-            waters.check(place)
+            source.check(place)
         options = read_table(CruiseOptions, settings["cruise"], f"{where}: [cruise]")
         with saying_where(f"{where}: [cruise]"):
-            refusals = check_options(waters, options)
+            refusals = check_options(source, options)
         in_force = {"maps": {"source": name, **asdict(table)}, "cruise": asdict(options)}
-        payload = CruiseCondition(waters, options)
+        payload = CruiseCondition(source, options)
         return Prepared(in_force, inputs, payload, refusals=refusals)
 
     def run(
@@ -109,7 +109,7 @@ class CruiseWorkload:
 
         def drawn() -> list[Posed]:
             parts = np.split(jobs, np.flatnonzero(np.diff(jobs) != 1) + 1)
-            return [pose(given.waters, given.options, seed, part) for part in parts]
+            return [pose(given.source, given.options, seed, part) for part in parts]
 
         return self._last.get(given, seed, jobs, drawn)
 

@@ -273,8 +273,8 @@ def _route_figure(
     source = payload.source
     grid = source.chart
     if grid is None:
-        queries = source.draw(int(run.manifest["study"]["seed"]), np.asarray([job]))
-        grid = GridMap(queries.land[0], source.cell_size, source.origin)
+        scenes = source.draw(int(run.manifest["study"]["seed"]), np.asarray([job]))
+        grid = GridMap(scenes.land[0], source.cell_size, source.origin)
     labels = {m: _label(m, found[m]) for m in lines}
     radius = payload.turning_radius
     arcs = any(METHODS[m].finish == "arcs" for m in lines)

@@ -165,21 +165,21 @@ class RouteWorkload:
         posed = self._last.get(given, seed, jobs, lambda: _pose(given, seed, jobs))
         found = posed.shortest
         if not METHODS[method].is_plain or given.search.max_expansions is not None:
-            found = find_paths(posed.area.queries, given.search, method)
+            found = find_paths(posed.area.scenes, given.search, method)
         routes = finish_routes(found, posed.area, method, given.search, given.smoothing)
         return routes, posed.optimum
 
 
 def _pose(given: RouteCondition, seed: int, jobs: np.ndarray) -> _Posed:
     source = given.source
-    queries = source.draw(seed, jobs)
+    scenes = source.draw(seed, jobs)
     without_bound = replace(given.search, max_expansions=None)
-    shortest = find_paths(queries, without_bound, "astar")
+    shortest = find_paths(scenes, without_bound, "astar")
     lengths = shortest.cost
     same_rules = given.search.connectivity == 8 and not given.search.corner_cutting
-    if queries.published is not None and same_rules:
-        lengths = queries.published
-    area = Area(queries, source.cell_size, source.origin)
+    if scenes.published is not None and same_rules:
+        lengths = scenes.published
+    area = Area(scenes, source.cell_size, source.origin)
     return _Posed(area, shortest, lengths * source.cell_size)
 
 
