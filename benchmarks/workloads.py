@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
-from usvjax.missions.dwa.scenes import LatticeMaps
+from usvjax.missions.dwa.scenes import LatticeTable
 from usvkernels.dwa.params import DwaParams, DwaStatic
 from usvkernels.status import Status
 
@@ -57,7 +57,7 @@ def fixed_length(episodes: int, methods: tuple[str, ...]) -> Workload:
     Parameters are those of the paper's Table 1. In 12.8 s nobody reaches a goal 14.1 m away, or
     can be stuck for 20 s; maps on which one of `methods` hits something sooner are left out.
     """
-    maps = LatticeMaps(rate=OBSTACLES / 119, rate_meaning="count")  # 119 points may be obstacles
+    maps = LatticeTable(rate=OBSTACLES / 119, rate_meaning="count")  # 119 points may be obstacles
     found: list[Workload] = []
     while sum(map(len, found)) < episodes:
         jobs = len(found) * episodes + np.arange(episodes)
@@ -78,7 +78,7 @@ def heavy_tailed(episodes: int) -> Workload:
     A lattice of 5 m with 10 % obstacles of 0.3 m: three in four arrive, most after 12 to 13 s;
     others collide, are stuck after up to 45 s, or wander until the bound of 60 s.
     """
-    maps = LatticeMaps(rate=0.1, hi=5, goal=(5.0, 5.0))
+    maps = LatticeTable(rate=0.1, hi=5, goal=(5.0, 5.0))
     params = DwaParams(radius=0.3, clearance_cap=2.0)
     return _drawn(maps, np.arange(episodes), params, DwaStatic(method="improved", max_steps=600))
 
@@ -98,7 +98,7 @@ def _joined(parts: list[Workload]) -> Workload:
     )
 
 
-def _drawn(maps: LatticeMaps, jobs: np.ndarray, params: DwaParams, static: DwaStatic) -> Workload:
+def _drawn(maps: LatticeTable, jobs: np.ndarray, params: DwaParams, static: DwaStatic) -> Workload:
     drawn = maps.draw(SEED, jobs, float(params.radius))
     assert drawn.valid is not None
     assert isinstance(drawn.obstacles, np.ndarray)

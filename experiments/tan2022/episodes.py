@@ -10,7 +10,7 @@ import numpy as np
 import usvjax as uj
 from experiments.tan2022.published import METRICS
 from experiments.tan2022.readings import FEW_MAPS, Case, Reading
-from usvjax.missions.dwa.scenes import Scenarios, Source
+from usvjax.missions.dwa.scenes import DwaScenes, Source
 from usvkernels.dwa.clearance import FAR
 from usvkernels.dwa.params import DwaParams, DwaStatic
 from usvkernels.status import Status
@@ -110,13 +110,13 @@ class Plan:
 
 @dataclass(frozen=True)
 class _Piece:
-    """Some episodes of a run, with their scenarios."""
+    """Some episodes of a run, with their scenes."""
 
     run: Run
-    scenarios: Scenarios
+    scenes: DwaScenes
 
     def __len__(self) -> int:
-        return len(self.scenarios.starts)
+        return len(self.scenes.starts)
 
 
 def sail(runs: Sequence[Run], advance: Callable[[int], object] = lambda episodes: None) -> Results:
@@ -170,10 +170,10 @@ def record(
 
 def obstacles(run: Run, job: int) -> np.ndarray:
     """Centres of the obstacles of one episode, float[K, 2] (m)."""
-    scenarios = _draw(run, np.array([job]))
-    assert isinstance(scenarios.obstacles, np.ndarray)
-    assert scenarios.valid is not None
-    centres: np.ndarray = scenarios.obstacles[0][scenarios.valid[0]]
+    scenes = _draw(run, np.array([job]))
+    assert isinstance(scenes.obstacles, np.ndarray)
+    assert scenes.valid is not None
+    centres: np.ndarray = scenes.obstacles[0][scenes.valid[0]]
     return centres
 
 
@@ -211,7 +211,7 @@ def _blocks(run: Run) -> list[np.ndarray]:
     return [jobs[i : i + CALL // 16] for i in range(0, run.episodes, CALL // 16)]
 
 
-def _draw(run: Run, jobs: np.ndarray) -> Scenarios:
+def _draw(run: Run, jobs: np.ndarray) -> DwaScenes:
     return run.source.draw(run.seed, jobs, float(run.params.radius))
 
 
@@ -228,7 +228,7 @@ def _rounded(rows: int) -> int:
 
 def _call(pieces: Sequence[_Piece], static: DwaStatic, recorded: bool = False) -> uj.NavigateResult:
     """Sail the episodes of all pieces at once."""
-    rows = max(_rounded(piece.scenarios.obstacles.shape[1]) for piece in pieces)
+    rows = max(_rounded(piece.scenes.obstacles.shape[1]) for piece in pieces)
     common = pieces[0].run.params
     swept: dict[str, Any] = {
         name: np.concatenate(
@@ -238,21 +238,21 @@ def _call(pieces: Sequence[_Piece], static: DwaStatic, recorded: bool = False) -
     }
     rest = {f.name: getattr(common, f.name) for f in fields(common) if f.name not in SWEPT}
     return uj.navigate_dwa(
-        np.concatenate([_padded(piece.scenarios, rows) for piece in pieces]),
-        np.concatenate([piece.scenarios.starts for piece in pieces]),
-        np.concatenate([piece.scenarios.goals for piece in pieces]),
+        np.concatenate([_padded(piece.scenes, rows) for piece in pieces]),
+        np.concatenate([piece.scenes.starts for piece in pieces]),
+        np.concatenate([piece.scenes.goals for piece in pieces]),
         params=DwaParams(**rest, **swept),
         static=static,
         record=recorded,
     )
 
 
-def _padded(scenarios: Scenarios, rows: int) -> np.ndarray:
+def _padded(scenes: DwaScenes, rows: int) -> np.ndarray:
     """Obstacle centres, float32[J, rows, 2]; what is no obstacle lies far away."""
-    centres = scenarios.obstacles
+    centres = scenes.obstacles
     assert isinstance(centres, np.ndarray)
-    assert scenarios.valid is not None
-    centres = np.where(scenarios.valid[..., None], centres, FAR)
+    assert scenes.valid is not None
+    centres = np.where(scenes.valid[..., None], centres, FAR)
     missing = rows - centres.shape[1]
     padded: np.ndarray = np.pad(centres, ((0, 0), (0, missing), (0, 0)), constant_values=FAR)
     return padded.astype(np.float32)

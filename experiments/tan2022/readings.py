@@ -6,7 +6,7 @@ from math import degrees, inf, pi
 from typing import Any
 
 from experiments.tan2022.published import RADII
-from usvjax.missions.dwa.scenes import LatticeMaps, RandomMaps, Source
+from usvjax.missions.dwa.scenes import DiscTable, LatticeTable, Source
 from usvkernels.dwa.params import DwaParams, DwaStatic
 
 FEW_MAPS = "trajectory"
@@ -76,10 +76,10 @@ class Reading:
         """Return the generator of its maps."""
         rate = case.rate if self.rate is None else self.rate
         if self.maps == "scattered":
-            return RandomMaps(number=round(100 * rate), start_heading=self.start_heading)
+            return DiscTable(number=round(100 * rate), start_heading=self.start_heading)
         if self.maps == "inner":
-            return LatticeMaps(rate=rate, lo=1, hi=9, start_heading=self.start_heading)
-        return LatticeMaps(rate=rate, rate_meaning=self.maps, start_heading=self.start_heading)
+            return LatticeTable(rate=rate, lo=1, hi=9, start_heading=self.start_heading)
+        return LatticeTable(rate=rate, rate_meaning=self.maps, start_heading=self.start_heading)
 
     def params(self, case: Case, method: str) -> DwaParams:
         """Return the method's parameters.

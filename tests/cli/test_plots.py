@@ -30,7 +30,7 @@ methods = ["improved"]
 [maps]
 source = "grid"
 map = "pond.map"
-min_clearance = 1.0
+shore_distance = 1.0
 distance = [3.0, 9.0]
 
 [params]

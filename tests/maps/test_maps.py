@@ -256,7 +256,7 @@ def test_random_maps_do_not_depend_on_how_many_are_drawn_at_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     together = random_maps(5, 10, (6, 5), 0.4)
-    monkeypatch.setattr("usvjax.maps.random._CELLS_PER_CALL", 4 * 6 * 5)
+    monkeypatch.setattr("usvjax.maps.cells._CELLS_PER_CALL", 4 * 6 * 5)
     np.testing.assert_array_equal(random_maps(5, 10, (6, 5), 0.4), together)
 
 

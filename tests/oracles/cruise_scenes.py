@@ -6,6 +6,7 @@ from typing import Any
 import cruise_replay as replay
 import numpy as np
 
+from usvjax.maps import GridMap
 from usvjax.missions.cruise import CruiseParams, CruiseResult, CruiseStatic, cruise
 from usvjax.tables import field_names
 from usvkernels.status import Status
@@ -117,3 +118,11 @@ def _assert_smoothed(
     assert np.isclose(result.smooth_length[row], length)
     assert result.smooth_length[row] <= result.length[row] + 1e-9
     assert result.smooth_inflections[row] <= max(count - 2, 0)
+
+
+def ponds():
+    """Two bodies of water, the larger one in the west, 18 cells of 50 m by 10."""
+    blocked = np.ones((10, 18), bool)
+    blocked[1:9, 1:10] = False
+    blocked[1:9, 12:17] = False
+    return GridMap(blocked, cell_size=50.0, origin=(1000.0, -500.0))

@@ -145,14 +145,17 @@ def test_writing_out_a_default_does_not_change_the_hash():
             "within 'goal_tolerance' of 1 m",
         ),
         (
-            "[maps]\nsource = 'grid'\nmap = 'hongze-250'\nmin_clearance = 400\n"
+            "[maps]\nsource = 'grid'\nmap = 'hongze-250'\nshore_distance = 400\n"
             "distance = [100, 2000]\n[params]\npreset = 'lake'\nradius = 200",
             r"'distance' must begin above 'goal_tolerance' of 100 m.*\[100.0, 2000.0\]",
         ),
         ("[maps]\ngoal = [inf, 0]", "must be finite"),
         ("[maps]\nsource = 'grid'", "the key 'map' is missing"),
         ("[maps]\nsource = 'grid'\nmap = 'nowhere.map'", "nowhere.map"),
-        ("[maps]\nsource = 'grid'\nmap = 'hongze-1000'\n[params]\nradius = 800", "'min_clearance'"),
+        (
+            "[maps]\nsource = 'grid'\nmap = 'hongze-1000'\n[params]\nradius = 800",
+            "'shore_distance'",
+        ),
         ("[maps]\nsource = 'grid'\nmap = 'hongze-1000'", "radius must be at least 707"),
         ("[axes]\nradius = [0.1]", "'radius' must be section.key; did you mean 'params.radius'?"),
         ("[axes]\nraduis = [0.1]", "must be section.key; did you mean 'params.radius'?"),
@@ -288,7 +291,7 @@ def test_hints_know_the_keys_of_every_kind(kind):
 def test_a_changed_map_file_changes_the_hash(tmp_path):
     (tmp_path / "a.toml").write_text(
         'name = "a"\nepisodes = 2\n[maps]\nsource = "grid"\nmap = "lake.map"\n'
-        "min_clearance = 2\ndistance = [5, 20]\n[params]\nradius = 1\n"
+        "shore_distance = 2\ndistance = [5, 20]\n[params]\nradius = 1\n"
     )
     hashes = set()
     for corner in (".", "@"):

@@ -150,14 +150,14 @@ class _Query:
     def solve(self, method: str) -> "tuple[Routes, float]":
         """Return the route of a method, and the seconds that it took once compiled."""
         from usvjax.missions.route.run import Area, find_paths, finish_routes
-        from usvjax.missions.route.scenes import Queries
+        from usvjax.missions.route.scenes import RouteScenes
 
         ends = np.array([[self.start], [self.goal]], np.int32)
-        queries = Queries(self.water.blocked, self.grid.blocked, ends[0], ends[1])
-        area = Area(queries, self.grid.cell_size, self.grid.origin)
+        scenes = RouteScenes(self.water.blocked, self.grid.blocked, ends[0], ends[1])
+        area = Area(scenes, self.grid.cell_size, self.grid.origin)
         for _ in range(2):
             began = time.perf_counter()
-            paths = find_paths(queries, self.search, method)
+            paths = find_paths(scenes, self.search, method)
             found = finish_routes(paths, area, method, self.search, self.smoothing)
             seconds = time.perf_counter() - began
         return found, seconds

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import jax
 import numpy as np
 import pytest
-from scipy import ndimage
+from cruise_scenes import ponds
 from study_fake import study_rows
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import GridMap, random_maps, save_map
+from usvjax.maps import save_map
 from usvjax.missions.cruise import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.chart import TRACK_ID
 from usvjax.missions.cruise.figures import visits_words
@@ -26,7 +26,6 @@ from usvjax.missions.cruise.methods import (
     tour_lengths,
 )
 from usvjax.missions.cruise.mission import MISSION
-from usvjax.missions.cruise.scenes import GridWaters, Lake, RandomWaters
 from usvjax.plots.route import length_words
 from usvjax.study import load_run, load_spec, parse_spec, run_study
 from usvjax.study.figures import figures_for_run
@@ -76,27 +75,19 @@ def finished(tmp_path_factory):
     return run_study(parse_spec(study), tmp_path_factory.mktemp("runs"), devices=1)
 
 
-def ponds():
-    """Two bodies of water, the larger one in the west, 18 cells of 50 m by 10."""
-    blocked = np.ones((10, 18), bool)
-    blocked[1:9, 1:10] = False
-    blocked[1:9, 12:17] = False
-    return GridMap(blocked, cell_size=50.0, origin=(1000.0, -500.0))
-
-
 def test_tours_are_the_shortest_by_water(spec, rows):
     posed = pose(*_settings(spec), 7, JOBS)
     for job, legs in enumerate(posed.legs):
         tours = ((0, *rest, 0) for rest in itertools.permutations(range(1, STATIONS)))
         shortest = min(sum(legs[a, b] for a, b in itertools.pairwise(tour)) for tour in tours)
         assert rows["tour_length"][job] == pytest.approx(shortest, rel=1e-6)
-        straight = CELL * np.hypot(*np.ptp(posed.sites.stations[job][[0, 1]], axis=0))
+        straight = CELL * np.hypot(*np.ptp(posed.scenes.stations[job][[0, 1]], axis=0))
         assert legs[0, 1] >= straight - 1e-3
 
 
 def _settings(spec):
     given = spec.conditions[0].case.given
-    return given.waters, given.options
+    return given.source, given.options
 
 
 def test_measures_agree_with_one_another(rows):
@@ -143,7 +134,7 @@ def test_jobs_that_do_not_follow_one_another_are_sailed_in_parts(tmp_path, monke
     rows = study_rows(spec, "recommended", np.array([6, 1, 2, 4]))
     assert [first for first, _ in seen] == [6, 1, 4]
     assert rows["length"].tolist() == [6, 1, 2, 4]
-    drawn = condition.case.given.waters.draw(7, np.arange(7)).stations
+    drawn = condition.case.given.source.draw(7, np.arange(7)).stations
     np.testing.assert_array_equal(np.concatenate([s for _, s in seen]), drawn[[6, 1, 2, 4]])
 
 
@@ -173,10 +164,10 @@ def test_methods_are_what_they_say(method, monkeypatch):
     monkeypatch.setattr("usvjax.missions.cruise.methods.solve_tour", solved)
     monkeypatch.setattr("usvjax.missions.cruise.methods.cruise", sailed)
     (condition,) = parse_spec(cruise_study(cruise={"sensing": [3, 5]})).conditions
-    waters, options = condition.case.given.waters, condition.case.given.options
-    sites = waters.draw(7, np.arange(3, 5))
+    source, options = condition.case.given.source, condition.case.given.options
+    scenes = source.draw(7, np.arange(3, 5))
     legs = np.zeros((2, STATIONS, STATIONS))
-    sail(Posed(waters, options, 7, np.arange(3, 5), sites, legs), method)
+    sail(Posed(source, options, 7, np.arange(3, 5), scenes, legs), method)
     tour, planner, heuristic = {
         "recommended": ("recommended", "dstar_lite", "octile"),
         "astar": ("recommended", "astar", "octile"),
@@ -205,35 +196,11 @@ def test_a_study_resumes_as_if_it_had_not_stopped(finished, tmp_path):
     assert statuses[0]["REACHED"]["count"] == 8 > statuses[1]["REACHED"]["count"]
 
 
-def test_random_stations_lie_apart_in_the_largest_water():
-    waters = RandomWaters((12, 12), 0.3, 10.0, stations=6, min_distance=30.0)
-    drawn = waters.draw(3, JOBS + 4)
-    np.testing.assert_array_equal(drawn.blocked, random_maps(3, 8, (12, 12), 0.3, first=4))
-    for blocked, stations in zip(drawn.blocked, drawn.stations, strict=True):
-        labels, _ = ndimage.label(~blocked)
-        body = labels[stations[:, 1], stations[:, 0]]
-        assert len(set(body)) == 1
-        assert (labels == body[0]).sum() == np.bincount(labels[labels > 0]).max()
-        apart = np.hypot(*np.moveaxis(stations[:, None] - stations[None], -1, 0))
-        assert apart[~np.eye(6, dtype=bool)].min() >= 3.0
-    again = waters.draw(3, JOBS + 9)
-    np.testing.assert_array_equal(again.stations[:3], drawn.stations[5:])
-    assert len(np.unique(drawn.stations[:, 0], axis=0)) > 5
-
-
-def test_stations_of_a_map_keep_off_the_shore():
-    lake = Lake(ponds(), GridWaters("ponds", stations=4, min_distance=150.0, min_clearance=100.0))
-    stations = lake.draw(1, np.arange(50)).stations
-    # Two cells from the shore of the western pond, every one of them sometimes drawn.
-    cells = {(x, y) for x in range(2, 9) for y in range(2, 8)}
-    assert set(map(tuple, stations.reshape(-1, 2).tolist())) == cells
-
-
 def test_given_places_are_every_jobs(tmp_path):
     save_map(ponds(), tmp_path / "ponds.map")
     maps = {"source": "grid", "map": "ponds.map", "places": [[1075, -425], [1480, -60.5]]}
     (condition,) = parse_spec(cruise_study(maps=maps), folder=tmp_path).conditions
-    drawn = condition.case.given.waters.draw(0, np.arange(2))
+    drawn = condition.case.given.source.draw(0, np.arange(2))
     assert drawn.stations.tolist() == [[[1, 1], [9, 8]]] * 2
     assert drawn.blocked.shape == (10, 18)
     assert list(condition.case.inputs) == ["ponds.map"]
@@ -270,8 +237,8 @@ def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch
 def one_cruise(job, **options):
     """A cruise of the small study, and the distances between its stations."""
     (condition,) = parse_spec(cruise_study(cruise=options)).conditions
-    posed = pose(condition.case.given.waters, condition.case.given.options, 7, np.asarray([job]))
-    legs = {name: leg_lengths(posed.sites, CELL, name) for name in ("straight", "water")}
+    posed = pose(condition.case.given.source, condition.case.given.options, 7, np.asarray([job]))
+    legs = {name: leg_lengths(posed.scenes, CELL, name) for name in ("straight", "water")}
     return posed, sail(posed, "recommended"), legs
 
 
@@ -282,7 +249,7 @@ def test_an_itinerary_is_the_cruise_stop_by_stop():
     order = [*sailed.order[0], 0]
     assert stops["station"].to_list() == order
     np.testing.assert_allclose(
-        stops.select("x_m", "y_m"), (posed.sites.stations[0][order] + 0.5) * CELL
+        stops.select("x_m", "y_m"), (posed.scenes.stations[0][order] + 0.5) * CELL
     )
     (straight,) = tour_lengths(legs["straight"], [order[:-1]])
     assert stops["straight_m"].sum() == pytest.approx(straight)

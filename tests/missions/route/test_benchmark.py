@@ -62,29 +62,10 @@ def test_a_route_from_a_cell_to_itself_has_no_length(benchmark, method):
     assert (row["status"] == Status.FOUND).all()
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("version 1", "bucket", "no 'version' in line 1"),
-        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0", "line 2 has 8 fields"),
-        ("6\t5\t0\t0\t5\t0\t5", "7\t5\t0\t0\t5\t0\t5", "line 2 is for a map of 7 x 5 cells"),
-        (
-            "6\t5\t0\t0\t5\t0\t5",
-            "6\t5\t0\t0\t6\t0\t5",
-            r"line 2: the goal \[6, 0\] is no free cell",
-        ),
-        ("6\t5\t2\t2\t2\t2\t0", "6\t5\t2\t-1\t2\t2\t0", r"line 4: the start \[2, -1\]"),
-        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0\tfar", "line 2 is no query"),
-        ("6\t5\t0\t0\t5\t0\t5", "6\t5\t0\t0\t5\t0\tnan", "line 2: the length is nan"),
-        ("room.map", "hall.map", r"hall\.map: no such file"),
-    ],
-)
-def test_bad_scenario_files_are_refused(benchmark, old, new, words):
-    path = benchmark / "room.map.scen"
-    path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(BadInputError, match=words) as caught:
+def test_a_bad_scenario_file_is_refused_by_the_study(benchmark):
+    (benchmark / "room.map").unlink()
+    with pytest.raises(BadInputError, match=r"study\.toml: \[maps\]: .*room\.map: no such file"):
         parse_spec(scen_study(), folder=benchmark, where="study.toml")
-    assert str(caught.value).startswith("study.toml")
 
 
 def test_more_episodes_than_queries_are_refused(benchmark):

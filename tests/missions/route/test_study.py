@@ -15,7 +15,7 @@ from usvjax.maps import save_map
 from usvjax.missions.route.finish import Sailing, as_it_is, through_key_points
 from usvjax.missions.route.mission import MISSION
 from usvjax.missions.route.run import METHODS, SearchOptions, find_paths
-from usvjax.missions.route.scenes import RandomQueries
+from usvjax.missions.route.scenes import CellTable
 from usvjax.study import load_run, load_spec, parse_spec, run_study
 from usvkernels.status import Status
 
@@ -162,7 +162,7 @@ def test_methods_search_as_they_say(method, wanted, monkeypatch):
     seen = {}
     monkeypatch.setattr("usvjax.missions.route.run.astar", lambda *_, **given: seen.update(given))
     options = SearchOptions(True, 8, turn_cost=0.75, weight=2.5, max_expansions=9)
-    find_paths(RandomQueries(SHAPE).draw(0, JOBS), options, method)
+    find_paths(CellTable(SHAPE).draw(0, JOBS), options, method)
     shared = {"corner_cutting": True, "connectivity": 8, "max_expansions": 9, "engine": "queue"}
     assert {**wanted, **shared}.items() <= seen.items()
 
@@ -243,7 +243,7 @@ def test_shipped_studies_can_be_read(name, request):
     ],
 )
 def test_settings_that_cannot_be_used_are_refused(table, change, words, monkeypatch):
-    monkeypatch.setattr("usvjax.missions.route.scenes._ROUNDS", 3)
+    monkeypatch.setattr("usvjax.maps.ends.CELL_ROUNDS", 3)
     study = route_study()
     study[table] = {**study.get(table, {}), **change}
     with pytest.raises(BadInputError, match=words) as caught:

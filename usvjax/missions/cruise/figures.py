@@ -78,7 +78,7 @@ def _example(run: Run, replay: Replay, condition: int) -> tuple[Figure, pl.DataF
     legs = {
         name: posed.legs
         if name == posed.options.static.distances
-        else leg_lengths(posed.sites, posed.waters.cell_size, name)
+        else leg_lengths(posed.scenes, posed.source.cell_size, name)
         for name in DISTANCES
     }
     figure = _cruise_figure(posed, sailed, legs, f"{head}, {method}, job {job} ({why})")
@@ -98,7 +98,7 @@ def _cruise_figure(
     way = sailed.smoothed[0, : sailed.smoothed_count[0]]
     return plot_cruise(
         grid,
-        grid.points_of(posed.sites.stations[0]),
+        grid.points_of(posed.scenes.stations[0]),
         sailed.order[0],
         grid.points_of(way),
         visited=sailed.visited[0],

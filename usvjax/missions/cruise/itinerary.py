@@ -29,7 +29,7 @@ def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
         vessel did not come to the stop.
     """
     order = np.append(sailed.order[0], 0)
-    x, y = first_map(posed).points_of(posed.sites.stations[0][order]).T
+    x, y = first_map(posed).points_of(posed.scenes.stations[0][order]).T
     leg_status = sailed.leg_status[0]
     step = np.append(0, np.where(leg_status == int(Status.REACHED), sailed.leg_step[0], -1))
     length, time = _since_start(posed, sailed)
@@ -57,7 +57,7 @@ def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
 
 def _since_start(posed: Posed, sailed: CruiseResult) -> tuple[np.ndarray, np.ndarray]:
     """Length (m) and time (s) from the start to each way point, float64[Q]."""
-    cell_size, speed = posed.waters.cell_size, posed.options.params.speed
+    cell_size, speed = posed.source.cell_size, posed.options.params.speed
     count = sailed.smoothed_count[0]
     chords = np.diff(sailed.smoothed[0, :count].astype(np.float64), axis=0)
     length = cell_size * np.append(0.0, np.cumsum(np.hypot(*chords.T)))

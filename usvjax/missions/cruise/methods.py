@@ -18,7 +18,7 @@ from usvjax.missions.cruise import CruiseResult, cruise
 from usvjax.missions.cruise.inputs import check_expedition, check_heuristic
 from usvjax.missions.cruise.orders import water_distances
 from usvjax.missions.cruise.params import CruiseParams, CruiseStatic
-from usvjax.missions.cruise.scenes import Sites, Waters
+from usvjax.missions.cruise.scenes import CruiseScenes, Source
 from usvjax.tables import check_keys, field_names, read_table
 from usvjax.tours import solve_tour
 
@@ -113,11 +113,11 @@ class CruiseCase:
     """One condition.
 
     Attributes:
-        waters: draws the maps and stations.
+        source: draws the maps and stations.
         options: of the cruises.
     """
 
-    waters: Waters
+    source: Source
     options: CruiseOptions
 
 
@@ -126,20 +126,20 @@ class Posed:
     """Cruises of jobs that follow one another, before they are sailed.
 
     Attributes:
-        waters: what drew them.
+        source: what drew them.
         options: of the cruises.
         seed: of the study.
         jobs: int64[J].
-        sites: maps and stations, in the order of the jobs.
+        scenes: maps and stations, in the order of the jobs.
         legs: float64[J, d, d], distances between stations, m, as tours add them up.
         orders: int32[J, d], by algorithm of `solve_tour`, as far as they have been wanted.
     """
 
-    waters: Waters
+    source: Source
     options: CruiseOptions
     seed: int
     jobs: np.ndarray
-    sites: Sites
+    scenes: CruiseScenes
     legs: np.ndarray
     orders: dict[str, np.ndarray] = field(default_factory=dict)
 
@@ -151,7 +151,7 @@ class Posed:
         return self.orders[algorithm]
 
 
-def check_options(waters: Waters, options: CruiseOptions) -> dict[str, str]:
+def check_options(source: Source, options: CruiseOptions) -> dict[str, str]:
     """Refuse what `cruise` would, before a run directory exists.
 
     Returns:
@@ -160,10 +160,10 @@ def check_options(waters: Waters, options: CruiseOptions) -> dict[str, str]:
     Raises:
         BadTypeError, BadInputError: as `usvjax.missions.cruise.cruise`.
     """
-    some = waters.draw(0, np.arange(8))
+    some = source.draw(0, np.arange(8))
     with _naming_keys():
         expedition = check_expedition(
-            some.blocked, some.stations, options.params, options.static, cell_size=waters.cell_size
+            some.blocked, some.stations, options.params, options.static, cell_size=source.cell_size
         )
     refusals = {}
     for name, method in METHODS.items():
@@ -186,27 +186,27 @@ def _naming_keys() -> Iterator[None]:
         raise type(error)(re.sub(named, "", str(error))) from error
 
 
-def pose(waters: Waters, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:
+def pose(source: Source, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:
     """Draw the maps and stations of int64[J] jobs that follow one another."""
-    sites = waters.draw(seed, jobs)
-    legs = leg_lengths(sites, waters.cell_size, options.static.distances)
-    return Posed(waters, options, seed, jobs, sites, legs)
+    scenes = source.draw(seed, jobs)
+    legs = leg_lengths(scenes, source.cell_size, options.static.distances)
+    return Posed(source, options, seed, jobs, scenes, legs)
 
 
 def first_map(posed: Posed, row: int = 0) -> GridMap:
     """The first map of a cruise; a shared one as it was before it was inflated."""
-    waters = posed.waters
-    return waters.chart or GridMap(posed.sites.blocked[row], waters.cell_size, waters.origin)
+    source = posed.source
+    return source.chart or GridMap(posed.scenes.blocked[row], source.cell_size, source.origin)
 
 
-def leg_lengths(sites: Sites, cell_size: float, distances: str) -> np.ndarray:
+def leg_lengths(scenes: CruiseScenes, cell_size: float, distances: str) -> np.ndarray:
     """Distances between stations, float64[J, d, d], m, "straight" or by "water"."""
     if distances == "water":
         expedition = check_expedition(
-            sites.blocked, sites.stations, CruiseParams(), CruiseStatic(), cell_size=cell_size
+            scenes.blocked, scenes.stations, CruiseParams(), CruiseStatic(), cell_size=cell_size
         )
         return cell_size * water_distances(expedition).astype(np.float64)
-    apart = sites.stations[:, :, None] - sites.stations[:, None]
+    apart = scenes.stations[:, :, None] - scenes.stations[:, None]
     return cell_size * np.hypot(apart[..., 0], apart[..., 1])
 
 
@@ -242,14 +242,14 @@ def sail(posed: Posed, method: str) -> CruiseResult:
     """
     chosen = METHODS[method]
     return cruise(
-        posed.sites.blocked,
-        posed.sites.stations,
+        posed.scenes.blocked,
+        posed.scenes.stations,
         jax.random.fold_in(jax.random.key(posed.seed), _FLIPS),
         method=chosen.planner,
         heuristic=chosen.heuristic,
         order=posed.order(method),
         first=int(posed.jobs[0]),
-        cell_size=posed.waters.cell_size,
+        cell_size=posed.source.cell_size,
         params=posed.options.params,
         static=posed.options.static,
     )

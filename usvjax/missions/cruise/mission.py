@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.maps.tables import read_map, read_source, saying_where
+from usvjax.errors import saying_where
+from usvjax.maps.chart import read_chart
+from usvjax.maps.tables import read_source
 from usvjax.mission import (
     Case,
     Files,
@@ -37,14 +39,14 @@ from usvjax.missions.cruise.methods import (
 )
 from usvjax.missions.cruise.params import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.result import CruiseResult
-from usvjax.missions.cruise.scenes import STATIONS, GridWaters, Lake, RandomWaters, Waters
+from usvjax.missions.cruise.scenes import STATIONS, CellTable, ChartSource, ChartTable, Source
 from usvjax.sections import Table
 from usvjax.tables import field_names
 from usvkernels.status import CRUISE_ENDINGS, Status
 
-Options = RandomWaters | GridWaters
+MapsTable = CellTable | ChartTable
 
-_SOURCES: dict[str, type[Options]] = {"random": RandomWaters, "grid": GridWaters}
+_SOURCES: dict[str, type[MapsTable]] = {"random": CellTable, "grid": ChartTable}
 
 
 class CruiseMission:
@@ -79,20 +81,20 @@ class CruiseMission:
     def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
         """Check one condition; see `Mission.case`."""
         place = files.table("maps")
-        name, table, waters, inputs = _read_maps(tables["maps"], files)
+        name, table, source, inputs = _read_maps(tables["maps"], files)
         with saying_where(place):
-            waters.check(place)
+            source.check(place)
         options = read_options(tables["cruise"], files.table("cruise"))
         with saying_where(files.table("cruise")):
-            refusals = check_options(waters, options)
+            refusals = check_options(source, options)
         in_force = {"maps": {"source": name, **asdict(table)}, "cruise": options.table()}
-        return Case(in_force, inputs, CruiseCase(waters, options), refusals=refusals)
+        return Case(in_force, inputs, CruiseCase(source, options), refusals=refusals)
 
     def pose(self, case: Case, seed: int, jobs: np.ndarray) -> list[Posed]:
         """Draw maps and stations, in parts whose jobs follow one another; see `Mission.pose`."""
         given: CruiseCase = case.given
         parts = np.split(jobs, np.flatnonzero(np.diff(jobs) != 1) + 1)
-        return [pose(given.waters, given.options, seed, part) for part in parts]
+        return [pose(given.source, given.options, seed, part) for part in parts]
 
     def run(self, scene: list[Posed], method: str, record: bool = False) -> Outcome:
         """Sail cruises; see `Mission.run`."""
@@ -146,7 +148,7 @@ def _recorded(scene: list[Posed], sailed: list[CruiseResult]) -> Recording:
     for posed, cruises in zip(scene, sailed, strict=True):
         for row, steps in enumerate(cruises.steps):
             grid = first_map(posed, row)
-            stations = grid.points_of(posed.sites.stations[row])
+            stations = grid.points_of(posed.scenes.stations[row])
             marks = {"home": stations[:1], "station": stations[1:]}
             grounds.append(Ground(grid, np.empty((0, 2)), 0.0, marks))
             places = grid.points_of(cruises.track[row, : steps + 1])
@@ -158,13 +160,13 @@ def _recorded(scene: list[Posed], sailed: list[CruiseResult]) -> Recording:
 
 def _read_maps(
     table: Mapping[str, Any], files: Files
-) -> tuple[str, Options, Waters, dict[str, str]]:
+) -> tuple[str, MapsTable, Source, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
     place = files.table("maps")
     name, options = read_source(table, _SOURCES, "random", place)
-    if isinstance(options, RandomWaters):
+    if isinstance(options, CellTable):
         return name, options, options, {}
     if options.stations is None and options.places is None:
         options = replace(options, stations=STATIONS)
-    grid, digest = read_map(options.map, options.cell_size, options.refine, files.folder, place)
-    return name, options, Lake(grid, options), {options.map: digest}
+    grid, digest = read_chart(options.map, options.cell_size, options.refine, files.folder, place)
+    return name, options, ChartSource(grid, options), {options.map: digest}

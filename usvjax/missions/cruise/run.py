@@ -7,9 +7,8 @@ import jax
 import numpy as np
 
 from usvjax.checks import one_of, whole_number
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError, BadTypeError, saying_where
 from usvjax.keys import as_key, first_run
-from usvjax.maps.tables import saying_where
 from usvjax.missions.cruise.inputs import (
     Expedition,
     check_expedition,

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps.tables import read_map, read_source, saying_where
+from usvjax.errors import BadInputError, BadTypeError, saying_where
+from usvjax.maps.chart import read_chart
+from usvjax.maps.tables import read_source
 from usvjax.mission import (
     Case,
     Files,
@@ -28,8 +29,7 @@ from usvjax.missions.dwa.inputs import set_scene
 from usvjax.missions.dwa.posed import DwaCase, DwaPosed
 from usvjax.missions.dwa.presets import PRESETS, check_dwa, fit_window, preset
 from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
-from usvjax.missions.dwa.scenes import LatticeMaps, RandomMaps, Source
-from usvjax.missions.dwa.water import GridMaps, Water
+from usvjax.missions.dwa.scenes import ChartSource, ChartTable, DiscTable, LatticeTable, Source
 from usvjax.sections import Table
 from usvjax.tables import check_keys, read_values
 from usvkernels.dwa.params import DwaParams, DwaStatic
@@ -37,10 +37,10 @@ from usvkernels.status import EPISODE_ENDINGS
 
 DEFAULT_PRESET = "tan2022"
 
-_SOURCES: dict[str, type[LatticeMaps] | type[RandomMaps] | type[GridMaps]] = {
-    "lattice": LatticeMaps,
-    "random": RandomMaps,
-    "grid": GridMaps,
+_SOURCES: dict[str, type[LatticeTable] | type[DiscTable] | type[ChartTable]] = {
+    "lattice": LatticeTable,
+    "random": DiscTable,
+    "grid": ChartTable,
 }
 
 
@@ -180,11 +180,11 @@ def _read_method(
 
 def _read_maps(
     table: Mapping[str, Any], files: Files
-) -> tuple[str, LatticeMaps | RandomMaps | GridMaps, Source, dict[str, str]]:
+) -> tuple[str, LatticeTable | DiscTable | ChartTable, Source, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
     place = files.table("maps")
     name, options = read_source(table, _SOURCES, "lattice", place)
-    if not isinstance(options, GridMaps):
+    if not isinstance(options, ChartTable):
         return name, options, options, {}
-    grid, digest = read_map(options.map, options.cell_size, options.refine, files.folder, place)
-    return name, options, Water(grid, options), {options.map: digest}
+    grid, digest = read_chart(options.map, options.cell_size, options.refine, files.folder, place)
+    return name, options, ChartSource(grid, options), {options.map: digest}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from usvjax.maps import GridMap
-from usvjax.missions.dwa.scenes import Scenarios, Source
+from usvjax.missions.dwa.scenes import DwaScenes, Source
 from usvkernels.dwa.params import DwaParams, DwaStatic
 
 
@@ -32,7 +32,7 @@ class DwaPosed:
         params, static: as in `DwaCase`.
     """
 
-    scenes: Scenarios
+    scenes: DwaScenes
     params: DwaParams
     static: DwaStatic
 

@@ -1,45 +1,37 @@
-"""Where episodes take place: obstacle fields with a start and a goal, one per job.
+"""Where DWA episodes take place: obstacles with a start and a goal, one scene per job.
 
-Job j draws from `fold_in(key(seed), j)` and from nothing else, so its scenario does not
-depend on the shard it is computed in, on how many jobs there are, or on the method. The
-conditions of a study share the draws: a lattice point or disc that is an obstacle at a low
-rate still is one at a higher rate, and a change of radius moves nothing, so differences
-between conditions are paired as well.
+A table of `[maps]` that names no file draws its scenes itself; that of a chart is drawn from by
+`ChartSource`, which has read the map. Job j's scene is a pure function of the seed and j (see
+`usvjax.maps.draws`). The conditions of a study share the draws: an obstacle at a low rate still is
+one at a higher rate, and a change of radius moves nothing, so that differences between conditions
+are paired as well.
 """
 
 import math
 from dataclasses import dataclass
-from functools import partial
-from typing import Protocol
+from functools import cached_property
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from scipy.stats import binom
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
+from usvjax.maps.chart import OnChart, cells_where, off_shore
+from usvjax.maps.discs import (
+    check_has_area,
+    check_number,
+    check_square,
+    discs_for_share,
+    uniform_discs,
+)
+from usvjax.maps.ends import check_fixed_ends, check_outside_goal, draw_pairs, facing, fixed_ends
+from usvjax.maps.lattice import check_lattice, lattice_obstacles
+from usvjax.maps.tables import check_share
 from usvjax.missions.dwa.inputs import MOST_REMOTE
-from usvjax.suggest import did_you_mean
-
-RATE_MEANINGS = ("bernoulli", "count", "area")
-
-MAX_DISCS = 10_000
-MAX_LATTICE = 100_000  # points
-
-# A lattice with Bernoulli obstacles gets as many rows as all but one map in ten million need;
-# a shard with a fuller map is given all lattice points instead.
-_OVERFLOW = 1e-7
-
-# Conditions of nearly the same rate share their number of rows, and so their compiled kernels.
-_ROWS = 32
-
-_BLOCK = 64
 
 
 @dataclass(frozen=True)
-class Scenarios:
-    """Scenarios of some jobs, in the order of the jobs.
+class DwaScenes:
+    """Scenes of some jobs, in the order of the jobs.
 
     Attributes:
         obstacles: float32[J, K, 2], centres (m), or a map that all jobs share.
@@ -54,41 +46,24 @@ class Scenarios:
     goals: np.ndarray
 
 
-class Source(Protocol):
-    """A generator of scenarios: the `[maps]` table of a study."""
-
-    def check(self, radius: float, where: str) -> None:
-        """Raise BadInputError when a value cannot be used with this vessel radius (m)."""
-        ...
-
-    def check_outside_goal(self, tolerance: float, where: str) -> None:
-        """Raise BadInputError where a start may count as its goal: an episode would end in 0 s."""
-        ...
-
-    def draw(self, seed: int, jobs: np.ndarray, radius: float) -> Scenarios:
-        """Return the scenarios of int64[J] jobs for obstacle circles of `radius` (m)."""
-        ...
-
-
 @dataclass(frozen=True)
-class LatticeMaps:
-    """Obstacles on the integer points of a square, as in the figures of Tan et al. 2022.
+class LatticeTable:
+    """Obstacles on the integer points of a square (see `usvjax.maps.lattice`).
 
     Start and goal are never obstacles, and a point whose obstacle circle contains one of them
-    is left out. The paper does not say what its obstacle rate is a share of, hence
-    `rate_meaning`:
-
-    - "bernoulli": each point is an obstacle with probability `rate`;
-    - "count": exactly `rate` of the points are, rounded;
-    - "area": so many that the circles add up to `rate` of the square's area, at most all
-      points. This number, unlike the others, depends on the radius.
+    is left out.
 
     Attributes:
-        rate: obstacle rate, in [0, 1].
-        rate_meaning: one of the above.
-        lo, hi: integer corners of the square, m.
-        start, goal: x, y, m.
-        start_heading: rad; towards the goal when None.
+        rate: obstacle rate, a share in [0, 1].
+        rate_meaning: what the rate is a share of: "bernoulli" (each point is an obstacle with this
+            probability), "count" (exactly this share of the points) or "area" (so many that the
+            circles add up to this share of the square).
+        lo: lower corner of the square in x and y, m; a whole number below `hi`.
+        hi: upper corner of the square in x and y, m; a whole number. The square has at most
+            100,000 points.
+        start: x and y where episodes start, m.
+        start_heading: heading at the start, rad; towards the goal when left out.
+        goal: x and y of the goal, m; farther from the start than `params.goal_tolerance`.
     """
 
     rate: float = 0.3
@@ -100,71 +75,40 @@ class LatticeMaps:
     goal: tuple[float, float] = (10.0, 10.0)
 
     def check(self, radius: float, where: str) -> None:
-        """Raise BadInputError when a value cannot be used."""
-        check_square(self.lo, self.hi, where)
+        """Raise BadInputError when a value cannot be used with this vessel radius (m)."""
+        check_square(self.lo, self.hi, MOST_REMOTE, where)
         check_share("rate", self.rate, where)
-        check_ends(self.start, self.goal, self.start_heading, where)
-        if (self.hi - self.lo + 1) ** 2 > MAX_LATTICE:
-            raise BadInputError(
-                f"{where}: 'lo' and 'hi' make {(self.hi - self.lo + 1) ** 2:,} lattice points; "
-                f"wanted at most {MAX_LATTICE:,}"
-            )
-        if self.rate_meaning == "area":
-            check_disc(radius, "rate_meaning", where)
-        if self.rate_meaning not in RATE_MEANINGS:
-            hint = did_you_mean(self.rate_meaning, RATE_MEANINGS)
-            raise BadInputError(f"{where}: unknown rate_meaning {self.rate_meaning!r}; {hint}")
+        check_fixed_ends(self.start, self.goal, self.start_heading, where)
+        check_lattice(self.rate_meaning, self.lo, self.hi, radius, where)
 
     def check_outside_goal(self, tolerance: float, where: str) -> None:
         """Raise BadInputError where the start counts as the goal."""
         check_outside_goal(self.start, self.goal, tolerance, where)
 
-    def draw(self, seed: int, jobs: np.ndarray, radius: float) -> Scenarios:
-        """Return the scenarios of int64[J] jobs for obstacle circles of `radius` (m)."""
-        points = self._points()
-        free = np.ones(len(points), bool)
-        for end in (self.start, self.goal):
-            free &= ~(points == np.asarray(end)).all(axis=-1)
-        field = np.where(free, uniform_fields(seed, jobs, len(points)), np.inf)
-        if self.rate_meaning == "bernoulli":
-            chosen = field < self.rate
-        else:
-            chosen = _ranks(field) < self._count(radius, int(free.sum()))
-        chosen &= outside_circles(points, (self.start, self.goal), radius)
-        rows, valid = _compact(points, chosen, self._room(radius, int(free.sum())))
+    def draw(self, seed: int, jobs: np.ndarray, radius: float) -> DwaScenes:
+        """Return the scenes of int64[J] jobs for obstacle circles of `radius` (m)."""
+        ends = (self.start, self.goal)
+        given = (self.rate, self.rate_meaning, self.lo, self.hi, ends, radius)
+        obstacles, valid = lattice_obstacles(seed, jobs, *given)
         starts, goals = fixed_ends(self.start, self.goal, self.start_heading, len(jobs))
-        return Scenarios(rows, valid, starts, goals)
-
-    def _points(self) -> np.ndarray:
-        """Return all lattice points, float64[(hi - lo + 1)^2, 2], row by row."""
-        line = np.arange(self.lo, self.hi + 1, dtype=np.float64)
-        y, x = np.meshgrid(line, line, indexing="ij")
-        return np.stack([x.ravel(), y.ravel()], axis=-1)
-
-    def _count(self, radius: float, free: int) -> int:
-        if self.rate_meaning == "count":
-            return round(self.rate * free)
-        return min(discs_for_share(self.rate, self.lo, self.hi, radius), free)
-
-    def _room(self, radius: float, free: int) -> int:
-        if self.rate_meaning == "bernoulli":
-            return int(binom.ppf(1.0 - _OVERFLOW, free, self.rate))
-        return self._count(radius, free)
+        return DwaScenes(obstacles, valid, starts, goals)
 
 
 @dataclass(frozen=True)
-class RandomMaps:
+class DiscTable:
     """Obstacle discs with centres uniform in a square; they may overlap.
 
-    A disc that contains the start or the goal is left out. Give `number`, or `density`: discs
-    whose areas add up to this share of the square.
+    A disc that contains the start or the goal is left out. Either `number` or `density` is given.
 
     Attributes:
-        number: discs per map.
-        density: share of the square, in [0, 1].
-        lo, hi: corners of the square, m.
-        start, goal: x, y, m.
-        start_heading: rad; towards the goal when None.
+        number: discs per map, 0 to 10,000; not with `density`.
+        density: discs whose areas add up to this share of the square, in [0, 1]; not with
+            `number`.
+        lo: lower corner of the square in x and y, m; below `hi`.
+        hi: upper corner of the square in x and y, m.
+        start: x and y where episodes start, m.
+        start_heading: heading at the start, rad; towards the goal when left out.
+        goal: x and y of the goal, m; farther from the start than `params.goal_tolerance`.
     """
 
     number: int | None = None
@@ -177,30 +121,25 @@ class RandomMaps:
 
     def check(self, radius: float, where: str) -> None:
         """Raise BadInputError when a value cannot be used with this vessel radius (m)."""
-        check_square(self.lo, self.hi, where)
-        check_ends(self.start, self.goal, self.start_heading, where)
+        check_square(self.lo, self.hi, MOST_REMOTE, where)
+        check_fixed_ends(self.start, self.goal, self.start_heading, where)
         if (self.number is None) == (self.density is None):
             raise BadInputError(f"{where}: give either 'number' or 'density'")
         if self.density is not None:
             check_share("density", self.density, where)
-            check_disc(radius, "density", where)
-        if not 0 <= self._count(radius) <= MAX_DISCS:
-            raise BadInputError(
-                f"{where}: between 0 and {MAX_DISCS} discs are possible, "
-                f"got {self._count(radius):g} of radius {radius:g} m"
-            )
+            check_has_area(radius, "density", where)
+        check_number(self._count(radius), radius, where)
 
     def check_outside_goal(self, tolerance: float, where: str) -> None:
         """Raise BadInputError where the start counts as the goal."""
         check_outside_goal(self.start, self.goal, tolerance, where)
 
-    def draw(self, seed: int, jobs: np.ndarray, radius: float) -> Scenarios:
-        """Return the scenarios of int64[J] jobs for obstacle circles of `radius` (m)."""
-        unit = uniform_points(seed, jobs, self._count(radius))
-        centres = self.lo + (self.hi - self.lo) * unit.astype(np.float64)
-        valid = outside_circles(centres, (self.start, self.goal), radius)
+    def draw(self, seed: int, jobs: np.ndarray, radius: float) -> DwaScenes:
+        """Return the scenes of int64[J] jobs for obstacle circles of `radius` (m)."""
+        ends, number = (self.start, self.goal), self._count(radius)
+        obstacles, valid = uniform_discs(seed, jobs, number, self.lo, self.hi, ends, radius)
         starts, goals = fixed_ends(self.start, self.goal, self.start_heading, len(jobs))
-        return Scenarios(centres.astype(np.float32), valid, starts, goals)
+        return DwaScenes(obstacles, valid, starts, goals)
 
     def _count(self, radius: float) -> int:
         if self.number is not None:
@@ -208,134 +147,105 @@ class RandomMaps:
         return discs_for_share(self.density or 0.0, self.lo, self.hi, radius)
 
 
-@partial(jax.jit, static_argnums=2)
-def _fields(key: jax.Array, jobs: jax.Array, count: int) -> jax.Array:
-    def field(job: jax.Array) -> jax.Array:
-        return jax.random.uniform(jax.random.fold_in(key, job), (count,), jnp.float32)
+@dataclass(frozen=True)
+class ChartTable:
+    """Starts and goals on one map, both in the same body of water, the bow towards the goal.
 
-    return jax.vmap(field)(jobs)
+    A start is uniform over the navigable cells; its goal has a uniform bearing and a uniform
+    distance from it and is then moved to the centre of its cell. Pairs that are ashore, in
+    another body of water or out of the range of distances are drawn again.
 
-
-@partial(jax.jit, static_argnums=2)
-def _points(key: jax.Array, jobs: jax.Array, count: int) -> jax.Array:
-    def point(job_key: jax.Array, disc: jax.Array) -> jax.Array:
-        return jax.random.uniform(jax.random.fold_in(job_key, disc), (2,), jnp.float32)
-
-    def points(job: jax.Array) -> jax.Array:
-        job_key = jax.random.fold_in(key, job)
-        return jax.vmap(partial(point, job_key))(jnp.arange(count, dtype=jnp.uint32))
-
-    return jax.vmap(points)(jobs)
-
-
-def uniform_fields(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:
-    """Uniform numbers in [0, 1), float64[J, count], row j from `fold_in(key(seed), jobs[j])`."""
-    key = jax.random.key(seed)
-    return np.asarray(_fields(key, jnp.asarray(jobs, jnp.uint32), count), np.float64)
-
-
-def uniform_points(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:
-    """Uniform points of the unit square, float32[J, count, 2].
-
-    Point i has a key of its own, so that the first points of a job are the same whatever the
-    count.
+    Attributes:
+        map: a packaged map's name (`usvjax maps list`), or a map file.
+        cell_size: edge of a cell, m, above 0; required for a plain image, refused otherwise.
+        refine: cells are divided into refine x refine by interpolating the shore; 1 or more.
+        shore_distance: least distance from start and goal to the nearest blocked cell's centre,
+            m; above `params.radius`.
+        distance: least and greatest straight-line distance from start to goal, m; the first above
+            `params.goal_tolerance` and below the second.
     """
-    key = jax.random.key(seed)
-    # Drawn in blocks, so that a sweep over counts meets few shapes to compile.
-    drawn = _points(key, jnp.asarray(jobs, jnp.uint32), -(-count // _BLOCK) * _BLOCK)
-    return np.asarray(drawn)[:, :count]
+
+    map: str
+    cell_size: float | None = None
+    refine: int = 1
+    shore_distance: float = 0.0
+    distance: tuple[float, float] = (1000.0, 5000.0)
 
 
-def discs_for_share(share: float, lo: float, hi: float, radius: float) -> int:
-    """How many discs of `radius` (m) add up to a share of the square's area; overlaps ignored."""
-    return round(share * (hi - lo) ** 2 / (math.pi * radius**2))
+@dataclass(frozen=True)
+class ChartSource(OnChart):
+    """Draws the scenes of a `ChartTable`.
 
-
-def outside_circles(
-    points: np.ndarray, ends: tuple[tuple[float, float], ...], radius: float
-) -> np.ndarray:
-    """Whether the circle of `radius` (m) about each of float[..., 2] points holds no end."""
-    outside = np.ones(points.shape[:-1], bool)
-    for end in ends:
-        outside &= np.hypot(*np.moveaxis(points - np.asarray(end), -1, 0)) > radius
-    return outside
-
-
-def fixed_ends(
-    start: tuple[float, float], goal: tuple[float, float], heading: float | None, jobs: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Repeat one start and goal: float64[J, 3] poses and float64[J, 2] goals."""
-    if heading is None:
-        heading = math.atan2(goal[1] - start[1], goal[0] - start[0])
-    starts = np.tile(np.asarray([*start, heading], np.float64), (jobs, 1))
-    return starts, np.tile(np.asarray(goal, np.float64), (jobs, 1))
-
-
-def check_share(name: str, value: float, where: str) -> None:
-    """Raise BadInputError unless a share lies in [0, 1]."""
-    if not 0.0 <= value <= 1.0:
-        raise BadInputError(f"{where}: {name!r} must lie in [0, 1], got {value:g}")
-
-
-def check_square(lo: float, hi: float, where: str) -> None:
-    """Raise BadInputError unless lo < hi, both where single precision can tell metres apart."""
-    if not -MOST_REMOTE <= lo < hi <= MOST_REMOTE:
-        raise BadInputError(
-            f"{where}: 'lo' must be below 'hi', both within {MOST_REMOTE:g} m of 0, got {lo:g} "
-            f"and {hi:g}"
-        )
-
-
-def check_disc(radius: float, name: str, where: str) -> None:
-    """Raise BadInputError where discs of no area are to cover a share of the square."""
-    # What single precision cannot tell from 0 may have a square that is 0.
-    if not np.float32(radius) > 0:
-        raise BadInputError(
-            f"{where}: {name!r} counts areas; wanted a radius above 0 in single precision, "
-            f"got {radius:g}"
-        )
-
-
-def check_ends(
-    start: tuple[float, float], goal: tuple[float, float], heading: float | None, where: str
-) -> None:
-    """Raise BadInputError unless start, goal and heading are finite and start is not the goal."""
-    if not all(map(math.isfinite, (*start, *goal, heading or 0.0))):
-        raise BadInputError(f"{where}: 'start', 'goal' and 'start_heading' must be finite")
-    if start == goal:
-        raise BadInputError(f"{where}: 'start' and 'goal' are the same point, {list(start)!r}")
-
-
-def check_outside_goal(
-    start: tuple[float, float], goal: tuple[float, float], tolerance: float, where: str
-) -> None:
-    """Raise BadInputError where a start counts as its goal: every episode would end in 0 s."""
-    apart = math.dist(start, goal)
-    if np.float32(apart) <= np.float32(tolerance):
-        raise BadInputError(
-            f"{where}: 'start' {list(start)!r} lies {apart:g} m from 'goal' {list(goal)!r}, within "
-            f"'goal_tolerance' of {tolerance:g} m, so every episode would be over at once; "
-            f"wanted them farther apart"
-        )
-
-
-def _ranks(field: np.ndarray) -> np.ndarray:
-    """Rank float[J, N] within each row from 0; of equal values the first counts as lower."""
-    order = np.argsort(field, axis=-1, kind="stable")
-    ranks = np.empty_like(order)
-    np.put_along_axis(ranks, order, np.arange(field.shape[-1])[None, :], axis=-1)
-    return ranks
-
-
-def _compact(points: np.ndarray, chosen: np.ndarray, room: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gather each job's chosen points in the first rows: float32[J, K, 2] and bool[J, K].
-
-    K is `room` rounded up to a multiple of 32, or all points where a job has more than that;
-    nothing but speed depends on it, since the rest is masked.
+    Attributes:
+        chart: the map.
+        table: the `[maps]` table.
     """
-    rows = min(max(_ROWS, -(-room // _ROWS) * _ROWS), len(points))
-    counts = chosen.sum(axis=-1)
-    if counts.size and counts.max() > rows:
-        rows = len(points)
-    order = np.argsort(~chosen, axis=-1, kind="stable")[:, :rows]
-    return points[order].astype(np.float32), np.arange(rows) < counts[:, None]
+
+    chart: GridMap
+    table: ChartTable
+
+    @cached_property
+    def bodies(self) -> np.ndarray:
+        """int32[H, W]: the number of the body of water, 0 where no episode may start or end."""
+        wet = off_shore(self.chart, self.table.shore_distance) & ~self.chart.blocked
+        return np.where(wet, self.chart.components(), 0)
+
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """int64[N, 2]: (x, y) of the cells where an episode may start."""
+        return cells_where(self.bodies > 0)
+
+    def check(self, radius: float, where: str) -> None:
+        """Raise BadInputError when a value cannot be used with this vessel radius (m)."""
+        near, far = self.table.distance
+        if not 0.0 < near < far < math.inf:
+            raise BadInputError(
+                f"{where}: 'distance' must be two distances in m, the first above 0 and below "
+                f"the second, got {[near, far]!r}"
+            )
+        covers = self.cell_size * math.sqrt(0.5)
+        if not radius >= covers:
+            raise BadInputError(
+                f"{where}: obstacle circles of {radius:g} m leave gaps between blocked cells of "
+                f"{self.cell_size:g} m; the radius must be at least {covers:g} m"
+            )
+        if not radius < self.table.shore_distance < math.inf:
+            raise BadInputError(
+                f"{where}: 'shore_distance' must exceed the radius of the obstacle circle, "
+                f"{radius:g} m, got {self.table.shore_distance:g}"
+            )
+        if not len(self.cells):
+            raise BadInputError(
+                f"{where}: no water of {self.table.map!r} is {self.table.shore_distance:g} m "
+                f"from the shore"
+            )
+        self.draw(0, np.arange(8), radius)
+
+    def check_outside_goal(self, tolerance: float, where: str) -> None:
+        """Raise BadInputError where a start may be drawn that counts as its goal."""
+        near, far = self.table.distance
+        if np.float32(near) <= np.float32(tolerance):
+            raise BadInputError(
+                f"{where}: 'distance' must begin above 'goal_tolerance' of {tolerance:g} m, or "
+                f"episodes would be over at once, got {[near, far]!r}"
+            )
+
+    def draw(self, seed: int, jobs: np.ndarray, radius: float) -> DwaScenes:
+        """Return the scenes of int64[J] jobs.
+
+        Args:
+            seed: of the study.
+            jobs: int64[J], job numbers.
+            radius: not used; the map stays what it is.
+
+        Raises:
+            BadInputError: no start and goal could be found for a job.
+        """
+        words = repr(self.table.map), f"water {self.table.shore_distance:g} m from the shore"
+        where = (self.chart, self.bodies, self.cells, self.table.distance)
+        starts, goals = draw_pairs(seed, jobs, *where, *words)
+        return DwaScenes(self.chart, None, facing(starts, goals), goals)
+
+
+Source = LatticeTable | DiscTable | ChartSource
+"""What draws the scenes of a condition."""

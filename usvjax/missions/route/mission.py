@@ -12,8 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.errors import saying_where
+from usvjax.maps.chart import map_digest, read_chart
 from usvjax.maps.disk import read_bytes
-from usvjax.maps.tables import map_digest, read_map, read_source, saying_where
+from usvjax.maps.tables import read_source
 from usvjax.mission import (
     Case,
     Files,
@@ -25,7 +27,6 @@ from usvjax.mission import (
     Replayed,
     Track,
 )
-from usvjax.missions.route.movingai import ScenarioQueries, read_benchmark
 from usvjax.missions.route.posed import RouteCase, RoutePosed
 from usvjax.missions.route.run import (
     ENDINGS,
@@ -38,17 +39,24 @@ from usvjax.missions.route.run import (
     find_paths,
     finish_routes,
 )
-from usvjax.missions.route.scenes import Chart, GridQueries, QuerySource, RandomQueries
+from usvjax.missions.route.scenes import (
+    CellTable,
+    ChartSource,
+    ChartTable,
+    ScenTable,
+    Source,
+    scen_source,
+)
 from usvjax.sections import Table
 from usvjax.tables import read_table
 from usvkernels.status import Status
 
-Options = RandomQueries | GridQueries | ScenarioQueries
+MapsTable = CellTable | ChartTable | ScenTable
 
-_SOURCES: dict[str, type[Options]] = {
-    "random": RandomQueries,
-    "grid": GridQueries,
-    "movingai": ScenarioQueries,
+_SOURCES: dict[str, type[MapsTable]] = {
+    "random": CellTable,
+    "grid": ChartTable,
+    "movingai": ScenTable,
 }
 
 
@@ -99,13 +107,13 @@ class RouteMission:
     def pose(self, case: Case, seed: int, jobs: np.ndarray) -> RoutePosed:
         """Draw queries and find their shortest routes; see `Mission.pose`."""
         given: RouteCase = case.given
-        queries = given.source.draw(seed, jobs)
-        shortest = find_paths(queries, replace(given.search, max_expansions=None), "astar")
+        scenes = given.source.draw(seed, jobs)
+        shortest = find_paths(scenes, replace(given.search, max_expansions=None), "astar")
         lengths = shortest.cost
         same_rules = given.search.connectivity == 8 and not given.search.corner_cutting
-        if queries.published is not None and same_rules:
-            lengths = queries.published
-        area = Area(queries, given.source.cell_size, given.source.origin)
+        if scenes.published is not None and same_rules:
+            lengths = scenes.published
+        area = Area(scenes, given.source.cell_size, given.source.origin)
         return RoutePosed(given, area, shortest, lengths * given.source.cell_size)
 
     def run(self, scene: RoutePosed, method: str, record: bool = False) -> Outcome:
@@ -146,16 +154,16 @@ def _routes(scene: RoutePosed, method: str) -> Routes:
     search, smoothing = scene.case.search, scene.case.smoothing
     found = scene.shortest
     if not METHODS[method].is_plain or search.max_expansions is not None:
-        found = find_paths(scene.area.queries, search, method)
+        found = find_paths(scene.area.scenes, search, method)
     return finish_routes(found, scene.area, method, search, smoothing)
 
 
 def _recorded(scene: RoutePosed, routes: Routes) -> Recording:
     grounds, tracks = [], []
-    queries = scene.area.queries
+    scenes = scene.area.scenes
     for row, count in enumerate(routes.counts):
         grid = scene.land(row)
-        ends = {"start": queries.starts, "goal": queries.goals}
+        ends = {"start": scenes.starts, "goal": scenes.goals}
         marks = {name: grid.points_of(cells[row, None]) for name, cells in ends.items()}
         grounds.append(Ground(grid, np.empty((0, 2)), 0.0, marks))
         # Where there is no route, the vessel stays at the start.
@@ -167,17 +175,19 @@ def _recorded(scene: RoutePosed, routes: Routes) -> Recording:
 
 def _read_maps(
     table: Mapping[str, Any], files: Files
-) -> tuple[str, Options, QuerySource, dict[str, str]]:
+) -> tuple[str, MapsTable, Source, dict[str, str]]:
     """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
     place = files.table("maps")
     name, options = read_source(table, _SOURCES, "random", place)
-    if isinstance(options, RandomQueries):
+    if isinstance(options, CellTable):
         return name, options, options, {}
-    if isinstance(options, GridQueries):
-        grid, digest = read_map(options.map, options.cell_size, options.refine, files.folder, place)
-        return name, options, Chart(grid, options), {options.map: digest}
+    if isinstance(options, ChartTable):
+        grid, digest = read_chart(
+            options.map, options.cell_size, options.refine, files.folder, place
+        )
+        return name, options, ChartSource(grid, options), {options.map: digest}
     with saying_where(place):
-        benchmark = read_benchmark(options, files.folder, place)
+        source = scen_source(options, files.folder, place)
         lines = hashlib.sha256(read_bytes(files.folder / options.scen)).hexdigest()
-    inputs = {options.scen: lines, benchmark.chart.name: map_digest(benchmark.chart)}
-    return name, options, benchmark, inputs
+    inputs = {options.scen: lines, source.chart.name: map_digest(source.chart)}
+    return name, options, source, inputs

@@ -6,7 +6,7 @@ import numpy as np
 
 from usvjax.maps import GridMap
 from usvjax.missions.route.run import Area, SearchOptions, SmoothingOptions
-from usvjax.missions.route.scenes import QuerySource
+from usvjax.missions.route.scenes import Source
 from usvjax.search.astar import AstarResult
 
 
@@ -20,7 +20,7 @@ class RouteCase:
         smoothing: settings of what is done to their paths.
     """
 
-    source: QuerySource
+    source: Source
     search: SearchOptions
     smoothing: SmoothingOptions
 
@@ -51,4 +51,4 @@ class RoutePosed:
         source = self.case.source
         if source.chart is not None:
             return source.chart
-        return GridMap(self.area.queries.land[row], source.cell_size, source.origin)
+        return GridMap(self.area.scenes.land[row], source.cell_size, source.origin)

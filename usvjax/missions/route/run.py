@@ -12,7 +12,7 @@ import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.missions.route.finish import FINISHES, Sailing
-from usvjax.missions.route.scenes import Queries
+from usvjax.missions.route.scenes import RouteScenes
 from usvjax.paths.blocks import padded_points
 from usvjax.paths.metrics import path_metrics
 from usvjax.search.astar import (
@@ -117,12 +117,12 @@ class Area:
     """Queries and where they are in the world.
 
     Attributes:
-        queries: maps, starts and goals.
+        scenes: maps, starts and goals.
         cell_size: m.
         origin: (x, y) of the south-west corner, m.
     """
 
-    queries: Queries
+    scenes: RouteScenes
     cell_size: float
     origin: tuple[float, float]
 
@@ -207,11 +207,11 @@ def check_options(
             refuse("smoothing", key, wanted, value)
 
 
-def find_paths(queries: Queries, options: SearchOptions, method: str) -> AstarResult:
+def find_paths(scenes: RouteScenes, options: SearchOptions, method: str) -> AstarResult:
     """Run the search of a method.
 
     Args:
-        queries: maps, starts and goals.
+        scenes: maps, starts and goals.
         options: of the search.
         method: a key of `METHODS`.
 
@@ -220,9 +220,9 @@ def find_paths(queries: Queries, options: SearchOptions, method: str) -> AstarRe
     """
     chosen = METHODS[method]
     found: AstarResult = astar(
-        queries.blocked,
-        queries.starts,
-        queries.goals,
+        scenes.blocked,
+        scenes.starts,
+        scenes.goals,
         heuristic=chosen.heuristic,
         weight=options.weight if chosen.weighted else 1.0,
         turn_cost=0.0 if chosen.turn_mode is None else options.turn_cost,
@@ -255,7 +255,7 @@ def finish_routes(
         BadInputError: as `usvjax.smooth_turns`.
     """
     sailing = Sailing(
-        blocked=area.queries.blocked,
+        blocked=area.scenes.blocked,
         cell_size=area.cell_size,
         origin=area.origin,
         corner_cutting=search.corner_cutting,
@@ -269,7 +269,7 @@ def finish_routes(
     clearance = path_metrics(
         line.points,
         line.counts,
-        area.queries.land,
+        area.scenes.land,
         cell_size=area.cell_size,
         origin=area.origin,
     ).clearance

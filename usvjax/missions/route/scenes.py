@@ -1,37 +1,28 @@
-"""Where routes are sought: maps with a start and a goal cell, one per job.
+"""Where routes are sought: maps with a start and a goal cell, one query per job.
 
-Job j draws from `fold_in(key(seed), j)` and from nothing else, so its query depends neither on
-the shard it is computed in, nor on how many jobs there are, nor on the method. Random maps of
-several densities share their uniform field: a denser one only has more blocked cells.
+A table of `[maps]` that names no file draws its scenes itself; those of files are drawn from by
+`ChartSource` and `ScenSource`, which have read them. Job j's query is a pure function of the seed
+and j (see `usvjax.maps.draws`). Random maps of several densities share their uniform field: a
+denser one only has more blocked cells.
 """
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from pathlib import Path
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from scipy import ndimage
 
 from usvjax.errors import BadInputError
-from usvjax.maps import GridMap, random_maps
-from usvjax.maps.tables import MapSource, OnChart
-from usvjax.missions.dwa.scenes import check_share
-from usvjax.suggest import did_you_mean
-
-ENDS = ("free", "connected", "harbours")
-
-# A start without any goal is drawn again, so often at most.
-_ROUNDS = 1000
-
-# Random maps draw from fold_in(key, job); starts and goals must not see the same numbers.
-_STREAM = 1
+from usvjax.maps import GridMap
+from usvjax.maps.cells import OnOwnMaps, check_cells, maps_of_jobs
+from usvjax.maps.chart import OnChart, inflated
+from usvjax.maps.ends import ENDS, check_ends, draw_ends, end_groups
+from usvjax.maps.scen import Scen, read_scen
+from usvjax.maps.tables import check_length
 
 
 @dataclass(frozen=True)
-class Queries:
+class RouteScenes:
     """Queries of some jobs, in the order of the jobs.
 
     Attributes:
@@ -48,35 +39,17 @@ class Queries:
     published: np.ndarray | None = None
 
 
-class QuerySource(MapSource, Protocol):
-    """A generator of queries: the `[maps]` table of a study."""
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(H, W): rows and columns of the maps."""
-        ...
-
-    @property
-    def most_jobs(self) -> int | None:
-        """How many queries there are; None where any number can be drawn."""
-        ...
-
-    def draw(self, seed: int, jobs: np.ndarray) -> Queries:
-        """Return the queries of int64[J] jobs."""
-        ...
-
-
 @dataclass(frozen=True)
-class RandomQueries:
+class CellTable(OnOwnMaps):
     """Random maps, each cell blocked with the same probability, with random free cells as ends.
 
     Attributes:
-        shape: rows and columns.
+        shape: rows and columns, cells; 1 or more each, two cells at least.
         density: probability that a cell is blocked, in [0, 1].
-        cell_size: edge of a cell, m.
-        ends: "free": start and goal are any two free cells, so that some have no route between
-            them; "connected": two cells with a route.
-        min_distance: least straight-line distance from start to goal, m.
+        cell_size: edge of a cell, m; above 0.
+        ends: "free" (start and goal are any two free cells, so that some have no route between
+            them) or "connected" (two cells with a route).
+        min_distance: least straight-line distance from start to goal, m; 0 or more.
     """
 
     shape: tuple[int, int] = (50, 50)
@@ -85,59 +58,42 @@ class RandomQueries:
     ends: str = "free"
     min_distance: float = 0.0
 
-    @property
-    def origin(self) -> tuple[float, float]:
-        """South-west corner of cell (0, 0), m."""
-        return 0.0, 0.0
-
-    @property
-    def chart(self) -> None:
-        """Every query has a map of its own."""
-        return None
-
-    @property
-    def most_jobs(self) -> None:
-        """Any number can be drawn."""
-        return None
-
     def check(self, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
-        check_share("density", self.density, where)
-        if not 0.0 < self.cell_size < math.inf:
-            raise BadInputError(f"{where}: 'cell_size' must be above 0, got {self.cell_size:g}")
+        check_cells(self.density, self.cell_size, where)
         if min(self.shape) < 1 or max(self.shape) < 2:
             raise BadInputError(
                 f"{where}: 'shape' must be [rows, columns] with two cells at least, "
                 f"got {list(self.shape)!r}"
             )
-        _check_ends(self.ends, ("free", "connected"), self.min_distance, where)
+        check_ends(self.ends, ("free", "connected"), self.min_distance, where)
         self.draw(0, np.arange(8))
 
-    def draw(self, seed: int, jobs: np.ndarray) -> Queries:
+    def draw(self, seed: int, jobs: np.ndarray) -> RouteScenes:
         """Return the queries of int64[J] jobs.
 
         Raises:
             BadInputError: a job has no two cells that serve.
         """
-        grids = random_grids(seed, jobs, self.shape, self.density)
-        groups = (~grids).astype(np.int32) if self.ends == "free" else _components(grids)
+        grids = maps_of_jobs(seed, jobs, self.shape, self.density)
         least = self.min_distance / self.cell_size
-        starts, goals = _draw_ends(seed, jobs, groups, least, f"a map of density {self.density:g}")
-        return Queries(grids, grids, starts, goals)
+        place = f"a map of density {self.density:g}"
+        starts, goals = draw_ends(seed, jobs, end_groups(grids, self.ends), least, place)
+        return RouteScenes(grids, grids, starts, goals)
 
 
 @dataclass(frozen=True)
-class GridQueries:
+class ChartTable:
     """Routes on one map, from a random cell to another.
 
     Attributes:
-        map: a packaged map's name, or a map file.
-        cell_size: m; required for a plain image, refused otherwise.
-        refine: cells are divided into refine x refine by interpolating the shore.
-        inflate: m; routes keep off cells whose centre is this near to a blocked one's.
-        ends: "harbours": cells at the shore of the largest body of water; "connected": any two
-            cells of one body of water; "free": any two free cells.
-        min_distance: least straight-line distance from start to goal, m.
+        map: a packaged map's name (`usvjax maps list`), or a map file.
+        cell_size: edge of a cell, m, above 0; required for a plain image, refused otherwise.
+        refine: cells are divided into refine x refine by interpolating the shore; 1 or more.
+        inflate: routes keep off cells whose centre is this near to a blocked one's, m; 0 or more.
+        ends: "harbours" (cells at the shore of the largest body of water), "connected" (any two
+            cells of one body of water) or "free" (any two free cells).
+        min_distance: least straight-line distance from start to goal, m; 0 or more.
     """
 
     map: str
@@ -149,167 +105,97 @@ class GridQueries:
 
 
 @dataclass(frozen=True)
-class Chart(OnChart):
-    """The queries of a `GridQueries`.
+class ChartSource(OnChart):
+    """Draws the queries of a `ChartTable`.
 
     Attributes:
         chart: the map.
-        spec: the `[maps]` table.
+        table: the `[maps]` table.
     """
 
     chart: GridMap
-    spec: GridQueries = field(compare=False)
-
-    @property
-    def most_jobs(self) -> None:
-        """Any number can be drawn."""
-        return None
+    table: ChartTable
 
     @cached_property
     def water(self) -> GridMap:
         """The map that routes are sought on."""
-        return self.chart.inflated(self.spec.inflate) if self.spec.inflate else self.chart
+        return inflated(self.chart, self.table.inflate)
 
     @cached_property
     def groups(self) -> np.ndarray:
-        """int32[H, W]: 0 where no route ends; cells of one number may be joined."""
-        if self.spec.ends == "free":
-            return (~self.water.blocked).astype(np.int32)
-        bodies = self.water.components()
-        if self.spec.ends == "connected":
-            return bodies
-        shore = ndimage.binary_dilation(self.water.blocked, np.ones((3, 3), bool))
-        return ((bodies == 1) & shore).astype(np.int32)
+        """int32[1, H, W]: 0 where no route ends; cells of one number may be joined."""
+        return end_groups(self.water.blocked[None], self.table.ends)
 
     def check(self, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
-        _check_ends(self.spec.ends, ENDS, self.spec.min_distance, where)
-        if not 0.0 <= self.spec.inflate < math.inf:
-            raise BadInputError(f"{where}: 'inflate' must be 0 or more, got {self.spec.inflate:g}")
+        check_ends(self.table.ends, ENDS, self.table.min_distance, where)
+        check_length("inflate", self.table.inflate, where)
         self.draw(0, np.arange(8))
 
-    def draw(self, seed: int, jobs: np.ndarray) -> Queries:
+    def draw(self, seed: int, jobs: np.ndarray) -> RouteScenes:
         """Return the queries of int64[J] jobs.
 
         Raises:
             BadInputError: a job has no two cells that serve.
         """
-        least = self.spec.min_distance / self.cell_size
-        starts, goals = _draw_ends(seed, jobs, self.groups[None], least, repr(self.spec.map))
-        return Queries(self.water.blocked, self.chart.blocked, starts, goals)
+        least = self.table.min_distance / self.cell_size
+        starts, goals = draw_ends(seed, jobs, self.groups, least, repr(self.table.map))
+        return RouteScenes(self.water.blocked, self.chart.blocked, starts, goals)
 
 
-def _check_ends(ends: str, known: tuple[str, ...], min_distance: float, where: str) -> None:
-    if ends not in known:
-        raise BadInputError(f"{where}: unknown ends {ends!r}; {did_you_mean(ends, known)}")
-    if not 0.0 <= min_distance < math.inf:
-        raise BadInputError(f"{where}: 'min_distance' must be 0 or more, got {min_distance:g}")
+@dataclass(frozen=True)
+class ScenTable:
+    """The queries of a MovingAI scenario file, in an order drawn from the seed.
 
+    The file sorts them by length, so a study of its first hundred lines would be one of the
+    shortest; job j of a study is the j-th of a random order of all lines instead.
 
-def random_grids(seed: int, jobs: np.ndarray, shape: tuple[int, int], density: float) -> np.ndarray:
-    """The maps of int64[J] jobs, bool[J, H, W]."""
-    if len(jobs) and (np.diff(jobs) == 1).all():
-        return random_maps(seed, len(jobs), shape, density, first=int(jobs[0]))
-    # Another number of maps is another program to compile; one at a time there is only one.
-    alone = [random_maps(seed, 1, shape, density, first=int(job)) for job in jobs]
-    return np.concatenate([np.empty((0, *shape), bool), *alone])
-
-
-def _components(grids: np.ndarray) -> np.ndarray:
-    """Label connected free cells, int32[J, H, W]: 0 in blocked cells; each map has its own."""
-    within = np.zeros((3, 3, 3), bool)
-    within[1] = ndimage.generate_binary_structure(2, 1)
-    labels: np.ndarray = ndimage.label(~grids, within)[0]
-    return labels
-
-
-def _draw_ends(
-    seed: int, jobs: np.ndarray, groups: np.ndarray, least: float, place: str
-) -> tuple[np.ndarray, np.ndarray]:
-    """Draw a start and a goal for each job.
-
-    A start is uniform over the cells that have a group, and its goal over those of the same
-    group that are far enough; a start without a goal is drawn again.
-
-    Args:
-        seed: of the study.
-        jobs: int64[J].
-        groups: int32[1 or J, H, W], 0 where no route ends.
-        least: cells, from start to goal.
-        place: what the map is, for the message.
-
-    Returns:
-        int32[J, 2] starts and int32[J, 2] goals, cells (x, y).
-
-    Raises:
-        BadInputError: there is no such pair for a job.
+    Attributes:
+        scen: the scenario file.
+        map: the map file; the one that the scenario file names, beside it, when left out.
+        cell_size: edge of a cell, m; above 0.
     """
-    ends = np.zeros((len(jobs), 2, 2), np.int32)
-    open_rows = list(range(len(jobs)))
-    shared = _Cells(groups[0], least) if len(groups) == 1 else None
-    for number in range(_ROUNDS):
-        if not open_rows:
-            return ends[:, 0], ends[:, 1]
-        missing = []
-        drawn = _bits(seed, jobs[open_rows], number, len(jobs))
-        for row, numbers in zip(open_rows, drawn, strict=True):
-            pair = (shared or _Cells(groups[row], least)).pair(*numbers)
-            if pair is None:
-                missing.append(row)
-            else:
-                ends[row] = pair
-        open_rows = missing
-    raise BadInputError(
-        f"{place} has no start and goal {least:.4g} cells apart that 'ends' allows "
-        f"(job {jobs[open_rows[0]]}); lower 'min_distance' or change 'ends'"
-    )
+
+    scen: str
+    map: str | None = None
+    cell_size: float = 1.0
 
 
-class _Cells:
-    """The cells of one map where routes may start and end."""
+@dataclass(frozen=True)
+class ScenSource(OnChart):
+    """Draws the queries of a `ScenTable`.
 
-    def __init__(self, groups: np.ndarray, least: float) -> None:
-        # Squared distances fit; int32 is twice as fast.
-        kind = np.int32 if max(groups.shape) < 2**15 else np.int64
-        place = np.flatnonzero(groups)
-        y = place // groups.shape[1]
-        self._x, self._y = (place - y * groups.shape[1]).astype(kind), y.astype(kind)
-        self._group = groups.reshape(-1)[place]
-        # A distance of a whole number of cells must survive the rounding of metres.
-        self._least = max(least * least * (1.0 - 1e-9), 0.5)
-
-    def pair(self, first: int, second: int) -> tuple[list[int], list[int]] | None:
-        """Start and goal for two random numbers below 2**32; None where there is no goal."""
-        count = len(self._x)
-        if not count:
-            return None
-        start = first * count >> 32
-        east, north = self._x - self._x[start], self._y - self._y[start]
-        serves = east * east + north * north >= self._least
-        serves &= self._group == self._group[start]
-        goals = np.flatnonzero(serves)
-        if not len(goals):
-            return None
-        goal = int(goals[second * len(goals) >> 32])
-        return [self._x[start], self._y[start]], [self._x[goal], self._y[goal]]
-
-
-def _bits(seed: int, jobs: np.ndarray, number: int, size: int) -> list[list[int]]:
-    """Two random whole numbers below 2**32 per job, of one round of draws.
-
-    The jobs are padded to `size`, so that rounds with ever fewer jobs compile only once.
+    Attributes:
+        chart: the map.
+        table: the `[maps]` table.
+        scen: the scenario file, read.
     """
-    padded = np.zeros(size, np.uint32)
-    padded[: len(jobs)] = jobs
-    drawn = _round(jax.random.key(seed), jnp.asarray(padded), number)
-    numbers: list[list[int]] = np.asarray(drawn)[: len(jobs)].tolist()
-    return numbers
+
+    chart: GridMap
+    table: ScenTable
+    scen: Scen
+
+    @property
+    def most_jobs(self) -> int:
+        """How many queries the file has."""
+        return len(self.scen)
+
+    def check(self, where: str) -> None:
+        """Raise BadInputError when a query starts or ends off the map or on a blocked cell."""
+        self.scen.check(where)
+
+    def draw(self, seed: int, jobs: np.ndarray) -> RouteScenes:
+        """Return the queries of int64[J] jobs."""
+        scen, grid = self.scen, self.chart.blocked
+        rows = scen.rows_of(seed, jobs)
+        return RouteScenes(grid, grid, scen.starts[rows], scen.goals[rows], scen.lengths[rows])
 
 
-@jax.jit
-def _round(key: jax.Array, jobs: jax.Array, number: int) -> jax.Array:
-    def one(job: jax.Array) -> jax.Array:
-        own = jax.random.fold_in(jax.random.fold_in(key, job), _STREAM)
-        return jax.random.bits(jax.random.fold_in(own, number), (2,), jnp.uint32)
+Source = CellTable | ChartSource | ScenSource
+"""What draws the queries of a condition."""
 
-    return jax.vmap(one)(jobs)
+
+def scen_source(table: ScenTable, folder: Path, where: str) -> ScenSource:
+    """Read the files of a `ScenTable`; see `usvjax.maps.scen.read_scen`."""
+    scen = read_scen(table.scen, table.map, table.cell_size, folder, where)
+    return ScenSource(scen.chart, table, scen)

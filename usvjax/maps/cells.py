@@ -1,5 +1,6 @@
-"""Random maps for Monte Carlo studies."""
+"""Random maps of cells, each blocked with the same probability."""
 
+import math
 from typing import Any
 
 import jax
@@ -9,6 +10,7 @@ from usvjax import checks
 from usvjax.checks import whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.keys import as_key
+from usvjax.maps.tables import check_share
 from usvkernels import grids
 
 # Cells drawn per call: bounds the memory of the uniform fields (16 bytes a cell) to 64 MB.
@@ -65,3 +67,48 @@ def _as_shape(shape: Any) -> tuple[int, int]:
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         raise BadTypeError(f"shape: got {shape!r}; wanted (H, W)")
     return whole_number("shape[0]", shape[0], 1), whole_number("shape[1]", shape[1], 1)
+
+
+def maps_of_jobs(seed: int, jobs: np.ndarray, shape: tuple[int, int], density: float) -> np.ndarray:
+    """The random maps of some jobs: job j's is map j of `random_maps`.
+
+    Args:
+        seed: of the study.
+        jobs: int64[J], in any order.
+        shape: (H, W), rows and columns.
+        density: probability in [0, 1] that a cell is blocked.
+
+    Returns:
+        bool[J, H, W], True = not navigable.
+    """
+    if len(jobs) and (np.diff(jobs) == 1).all():
+        return random_maps(seed, len(jobs), shape, density, first=int(jobs[0]))
+    # Another number of maps is another program to compile; one at a time there is only one.
+    alone = [random_maps(seed, 1, shape, density, first=int(job)) for job in jobs]
+    return np.concatenate([np.empty((0, *shape), bool), *alone])
+
+
+def check_cells(density: float, cell_size: float, where: str) -> None:
+    """Raise BadInputError unless a density lies in [0, 1] and the edge of a cell is above 0 m."""
+    check_share("density", density, where)
+    if not 0.0 < cell_size < math.inf:
+        raise BadInputError(f"{where}: 'cell_size' must be above 0, got {cell_size:g}")
+
+
+class OnOwnMaps:
+    """What a source of scenes says where every job has a map of its own."""
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """South-west corner of cell (0, 0), m."""
+        return 0.0, 0.0
+
+    @property
+    def chart(self) -> None:
+        """Every job has a map of its own."""
+        return None
+
+    @property
+    def most_jobs(self) -> None:
+        """Any number can be drawn."""
+        return None

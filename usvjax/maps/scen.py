@@ -1,4 +1,4 @@
-"""Queries of the MovingAI benchmark: starts, goals and published optima from a scenario file.
+"""Scenario files of the MovingAI benchmark: starts, goals and published optima.
 
 A scenario file (``.scen``) has one query a line: bucket, map, width, height, start x and y, goal
 x and y, length of the shortest route (Sturtevant, Benchmarks for Grid-Based Pathfinding, 2012).
@@ -6,100 +6,85 @@ Its lengths are in cells, 8-connected, a diagonal step only where both side cell
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import jax
 import numpy as np
 
-from usvjax.errors import BadInputError
-from usvjax.maps import GridMap, load_map
+from usvjax.errors import BadInputError, saying_where
 from usvjax.maps.disk import read_bytes
-from usvjax.maps.tables import OnChart
-from usvjax.missions.route.scenes import Queries
+from usvjax.maps.files import load_map
+from usvjax.maps.grid_map import GridMap
 
 _FIELDS = 9
 
 
-@dataclass(frozen=True)
-class ScenarioQueries:
-    """The queries of a MovingAI scenario file, in an order drawn from the seed.
-
-    The file sorts them by length, so a study of its first hundred lines would be one of the
-    shortest; job j of a study is the j-th of a random order of all lines instead.
+@dataclass(frozen=True, eq=False)
+class Scen:
+    """A scenario file with its map.
 
     Attributes:
-        scen: the scenario file.
-        map: the map file; by default the one that the scenario file names, beside it.
-        cell_size: m.
-    """
-
-    scen: str
-    map: str | None = None
-    cell_size: float = 1.0
-
-
-@dataclass(frozen=True)
-class Benchmark(OnChart):
-    """The queries of a `ScenarioQueries`.
-
-    Attributes:
+        name: of the file, for messages.
         chart: the map.
-        spec: the `[maps]` table.
         starts, goals: int32[N, 2], cells (x, y).
-        published: float64[N], cells.
+        lengths: float64[N], of the shortest routes as published, cells.
     """
 
+    name: str
     chart: GridMap
-    spec: ScenarioQueries
-    starts: np.ndarray = field(repr=False, compare=False)
-    goals: np.ndarray = field(repr=False, compare=False)
-    published: np.ndarray = field(repr=False, compare=False)
+    starts: np.ndarray
+    goals: np.ndarray
+    lengths: np.ndarray
 
-    @property
-    def most_jobs(self) -> int:
-        """How many queries the file has."""
+    def __len__(self) -> int:
         return len(self.starts)
+
+    def rows_of(self, seed: int, jobs: np.ndarray) -> np.ndarray:
+        """The lines that int64[J] jobs take, int64[J] from 0.
+
+        The file sorts its lines by length, so a study of its first hundred would be one of the
+        shortest; job j takes the j-th of a random order of all lines instead.
+        """
+        numbers = jax.random.bits(jax.random.key(seed), (len(self),), np.uint32)
+        rows: np.ndarray = np.argsort(np.asarray(numbers), kind="stable")[jobs]
+        return rows
 
     def check(self, where: str) -> None:
         """Raise BadInputError when a query starts or ends off the map or on a blocked cell."""
         height, width = self.chart.shape
-        for name, cells in (("start", self.starts), ("goal", self.goals)):
+        for end, cells in (("start", self.starts), ("goal", self.goals)):
             outside = ((cells < 0) | (cells >= (width, height))).any(axis=1)
             x, y = np.where(outside, 0, cells.T)
             bad = outside | self.chart.blocked[y, x]
             if bad.any():
                 row = int(bad.argmax())
                 raise BadInputError(
-                    f"{where}: {self.spec.scen} line {row + 2}: the {name} {cells[row].tolist()} "
+                    f"{where}: {self.name} line {row + 2}: the {end} {cells[row].tolist()} "
                     f"is no free cell of the map of {width} x {height} cells"
                 )
 
-    def draw(self, seed: int, jobs: np.ndarray) -> Queries:
-        """Return the queries of int64[J] jobs."""
-        numbers = jax.random.bits(jax.random.key(seed), (len(self.starts),), np.uint32)
-        rows = np.argsort(np.asarray(numbers), kind="stable")[jobs]
-        grid = self.chart.blocked
-        return Queries(grid, grid, self.starts[rows], self.goals[rows], self.published[rows])
 
-
-def read_benchmark(spec: ScenarioQueries, folder: Path, where: str) -> Benchmark:
+def read_scen(name: str, map_name: str | None, cell_size: float, folder: Path, where: str) -> Scen:
     """Read a scenario file and its map.
 
     Args:
-        spec: the `[maps]` table.
+        name: of the scenario file.
+        map_name: of the map file; by default the one that the scenario file names, beside it.
+        cell_size: m.
         folder: what relative paths are relative to.
         where: the study file and table, for the messages.
 
     Raises:
         BadInputError: a file is missing or malformed, or they do not belong together.
     """
-    if not 0.0 < spec.cell_size < math.inf:
-        raise BadInputError(f"{where}: 'cell_size' must be above 0, got {spec.cell_size:g}")
-    path = folder / spec.scen
-    rows = _rows(path, where)
-    named = path.parent / Path(rows[0][1]).name
-    chart = load_map(folder / spec.map if spec.map else named, cell_size=spec.cell_size)
+    if not 0.0 < cell_size < math.inf:
+        raise BadInputError(f"{where}: 'cell_size' must be above 0, got {cell_size:g}")
+    path = folder / name
+    with saying_where(where):
+        rows = _rows(path, where)
+        named = path.parent / Path(rows[0][1]).name
+        chart = load_map(folder / map_name if map_name else named, cell_size=cell_size)
     height, width = chart.shape
     table = np.asarray(
         [
@@ -108,7 +93,7 @@ def read_benchmark(spec: ScenarioQueries, folder: Path, where: str) -> Benchmark
         ]
     )
     starts, goals = table[:, :2].astype(np.int32), table[:, 2:4].astype(np.int32)
-    return Benchmark(chart, spec, starts, goals, table[:, 4])
+    return Scen(name, chart, starts, goals, table[:, 4])
 
 
 def _query(row: list[str], size: tuple[int, int], where: str) -> tuple[float, ...]:

@@ -1,0 +1,96 @@
+"""One map that all jobs of a study share: found, refined, inflated, and what its water is."""
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from usvjax.errors import BadInputError, saying_where
+from usvjax.maps.grid_map import GridMap
+from usvjax.maps.hongze import find_map
+
+MOST_CELLS = 10**8
+"""Of a refined map: a byte each, and eight while it is refined."""
+
+
+def read_chart(
+    name: str, cell_size: float | None, refine: int, folder: Path, where: str
+) -> tuple[GridMap, str]:
+    """Find the map that a `[maps]` table names.
+
+    Args:
+        name: of a packaged map, or a file; one beside the study comes first.
+        cell_size: m, for a plain image.
+        refine: into how many parts the edge of a cell is divided.
+        folder: what a relative path is relative to.
+        where: the study file and table, for the messages.
+
+    Returns:
+        The map, and the SHA-256 of what its cells mean, whatever file they came from.
+
+    Raises:
+        BadInputError: there is no such map, or it cannot be read.
+    """
+    if refine < 1:
+        raise BadInputError(f"{where}: 'refine' must be at least 1, got {refine}")
+    beside = folder / name
+    with saying_where(where):
+        grid = find_map(str(beside) if beside.is_file() else name, cell_size=cell_size)
+        cells = grid.blocked.size * refine**2
+        if cells > MOST_CELLS:
+            raise BadInputError(
+                f"'refine' of {refine} makes {cells:,} cells; wanted at most {MOST_CELLS:,}"
+            )
+        grid = grid.refined(refine)
+    return grid, map_digest(grid)
+
+
+def map_digest(grid: GridMap) -> str:
+    """SHA-256 of what a map's cells mean, whatever file they came from."""
+    header = f"{grid.shape} {grid.cell_size!r} {grid.origin!r} ".encode()
+    return hashlib.sha256(header + grid.blocked.tobytes()).hexdigest()
+
+
+def inflated(chart: GridMap, radius: float) -> GridMap:
+    """The map with what lies within a radius (m) of the shore blocked as well; itself for 0."""
+    return chart.inflated(radius) if radius else chart
+
+
+def off_shore(chart: GridMap, distance: float) -> np.ndarray:
+    """Cells whose centre is `distance` (m) or more from any blocked one's, bool[H, W]."""
+    return chart.clearance() >= distance
+
+
+def cells_where(allowed: np.ndarray) -> np.ndarray:
+    """(x, y) of the cells that bool[H, W] allows, int64[N, 2], row by row."""
+    return np.argwhere(allowed)[:, ::-1]
+
+
+class OnChart:
+    """What a source of scenes says where all jobs share a map.
+
+    Attributes:
+        chart: the map, before it was inflated.
+    """
+
+    chart: GridMap
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W): rows and columns."""
+        return self.chart.shape
+
+    @property
+    def cell_size(self) -> float:
+        """Edge of a cell, m."""
+        return self.chart.cell_size
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """South-west corner of cell (0, 0), m."""
+        return self.chart.origin
+
+    @property
+    def most_jobs(self) -> int | None:
+        """How many jobs there can be; None where any number can be drawn."""
+        return None
