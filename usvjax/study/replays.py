@@ -18,14 +18,15 @@ from numpy.typing import NDArray
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.mission import get_workload
+from usvjax.missions.dwa.candidates import DwaCandidates, dwa_candidates
 from usvjax.missions.dwa.decision import Decide, Episode
 from usvjax.missions.dwa.inputs import set_scene
 from usvjax.missions.dwa.mission import DwaCondition
-from usvjax.missions.dwa.run import DwaCandidates, NavigateResult, dwa_candidates, navigate_dwa
+from usvjax.missions.dwa.params import DwaParams, DwaStatic
+from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
 from usvjax.missions.dwa.scenes import Scenarios
 from usvjax.plots.paths import Outcome
 from usvjax.study import Run
-from usvkernels.dwa.params import DwaParams, DwaStatic
 
 FloatArray = NDArray[np.float64]
 

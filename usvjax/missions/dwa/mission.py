@@ -1,8 +1,8 @@
 """Studies of kind "dwa": closed-loop episodes of the dynamic window approach.
 
 `[maps]` says where episodes take place (`source = "lattice"`, "random" or "grid"), `[params]`
-holds `usvkernels.dwa.params.DwaParams` and may start from a `preset`, `[static]` holds
-`usvkernels.dwa.params.DwaStatic`. The study's `methods` take the place of `static.method`.
+holds `usvjax.missions.dwa.params.DwaParams` and may start from a `preset`, `[static]` holds
+`usvjax.missions.dwa.params.DwaStatic`. The study's `methods` take the place of `static.method`.
 """
 
 from collections.abc import Mapping
@@ -18,14 +18,14 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.tables import read_map, read_source, saying_where
 from usvjax.mission import Metric, Prepared
 from usvjax.missions.dwa.inputs import set_scene
-from usvjax.missions.dwa.presets import check_dwa, fit_window, preset
+from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa, fit_window
 from usvjax.missions.dwa.run import navigate_dwa
 from usvjax.missions.dwa.scenes import LatticeMaps, RandomMaps, Source
 from usvjax.missions.dwa.water import GridMaps, Water
+from usvjax.presets import preset
 from usvjax.sections import Sections
 from usvjax.study.spec import Condition, StudySpec
 from usvjax.tables import check_keys, field_names, read_values
-from usvkernels.dwa.params import DwaParams, DwaStatic
 from usvkernels.status import EPISODE_ENDINGS, Status
 
 DEFAULT_PRESET = "tan2022"
