@@ -21,7 +21,8 @@ from benchmarks.timing import seconds_of
 from benchmarks.workloads import heavy_tailed, of_method
 from usvjax.devices import use_compilation_cache
 from usvjax.maps import obstacle_table, random_maps
-from usvjax.missions.dwa.run import dwa_candidates, navigate_dwa
+from usvjax.missions.dwa.candidates import dwa_candidates
+from usvjax.missions.dwa.run import navigate_dwa
 from usvjax.study import load_spec
 
 TITLE = "compile time, first start and second"

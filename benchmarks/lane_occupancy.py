@@ -10,11 +10,11 @@ from benchmarks.markdown import table
 from benchmarks.timing import in_turns, spread
 from benchmarks.workloads import Workload, heavy_tailed
 from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvjax.missions.dwa.run import CHUNK, OPTIONS
 from usvkernels import lanes
 from usvkernels.dwa import episodes
 from usvkernels.dwa.episodes import Jobs, Outcome
-from usvkernels.dwa.params import DwaParams, DwaStatic
 
 TITLE = "lanes refilled against lanes that wait"
 WIDTHS = (64, 128, 256, 512)
@@ -69,7 +69,7 @@ def _run(
 ) -> tuple[Outcome, lanes.Usage]:
     count = jobs.start.shape[0]
     return lanes.run(
-        episodes.program(jobs, params, static),
+        episodes.program(jobs, split(params, static)),
         count,
         capacity=count,
         lanes=width,

@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from usvjax.missions.dwa.params import DwaParams, DwaStatic
 from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
 from usvjax.missions.dwa.scenes import LatticeTable
-from usvkernels.dwa.params import DwaParams, DwaStatic
 from usvkernels.status import Status
 
 SEED = 2022

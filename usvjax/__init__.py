@@ -22,8 +22,9 @@ if TYPE_CHECKING:
         save_map,
     )
     from usvjax.missions.cruise import CruiseParams, CruiseResult, CruiseStatic, cruise
-    from usvjax.missions.dwa.presets import PRESETS, DwaPreset, fit_window, preset
-    from usvjax.missions.dwa.run import DwaCandidates, NavigateResult, dwa_candidates, navigate_dwa
+    from usvjax.missions.dwa.candidates import DwaCandidates, dwa_candidates
+    from usvjax.missions.dwa.params import DwaParams, DwaStatic, fit_window
+    from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
     from usvjax.paths.metrics import PathMetrics, path_metrics
     from usvjax.paths.smoothing import (
         DensePaths,
@@ -37,13 +38,13 @@ if TYPE_CHECKING:
     from usvjax.paths.tracking import Tracks, track_paths
     from usvjax.paths.turns import PathPieces, SmoothTurns, smooth_turns
     from usvjax.planners import PlanResult, plan_paths
+    from usvjax.presets import Preset, preset, preset_names
     from usvjax.search.astar import AstarResult, astar
     from usvjax.search.distance import distance_field
     from usvjax.search.replanning import DstarLiteResult, dstar_lite
     from usvjax.study import load_run, run_study
     from usvjax.swarms import MinimiseResult, minimise
     from usvjax.tours import TourResult, optimal_tour, solve_tour, tour_length
-    from usvkernels.dwa.params import DwaParams, DwaStatic
     from usvkernels.paths.tracking import TrackParams
     from usvkernels.paths.turning import Turn
     from usvkernels.status import Status
@@ -51,7 +52,6 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "PRESETS",
     "AstarResult",
     "BadInputError",
     "BadTypeError",
@@ -62,7 +62,6 @@ __all__ = [
     "DstarLiteResult",
     "DwaCandidates",
     "DwaParams",
-    "DwaPreset",
     "DwaStatic",
     "GridMap",
     "KeyPaths",
@@ -71,6 +70,7 @@ __all__ = [
     "PathMetrics",
     "PathPieces",
     "PlanResult",
+    "Preset",
     "SmoothTurns",
     "Splines",
     "Status",
@@ -97,6 +97,7 @@ __all__ = [
     "path_metrics",
     "plan_paths",
     "preset",
+    "preset_names",
     "random_maps",
     "redensify",
     "register_mission",
@@ -158,15 +159,11 @@ _HOME = {
         "random_maps",
         "save_map",
     ),
-    "usvjax.missions.dwa.run": (
-        "DwaCandidates",
-        "NavigateResult",
-        "dwa_candidates",
-        "navigate_dwa",
-    ),
-    "usvjax.missions.dwa.presets": ("PRESETS", "DwaPreset", "fit_window", "preset"),
+    "usvjax.missions.dwa.candidates": ("DwaCandidates", "dwa_candidates"),
+    "usvjax.missions.dwa.params": ("DwaParams", "DwaStatic", "fit_window"),
+    "usvjax.missions.dwa.run": ("NavigateResult", "navigate_dwa"),
+    "usvjax.presets": ("Preset", "preset", "preset_names"),
     "usvjax.study": ("load_run", "run_study"),
-    "usvkernels.dwa.params": ("DwaParams", "DwaStatic"),
     "usvkernels.status": ("Status",),
 }
 

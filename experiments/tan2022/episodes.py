@@ -10,9 +10,9 @@ import numpy as np
 import usvjax as uj
 from experiments.tan2022.published import METRICS
 from experiments.tan2022.readings import FEW_MAPS, Case, Reading
+from usvjax.missions.dwa.params import DwaParams, DwaStatic
 from usvjax.missions.dwa.scenes import DwaScenes, Source
 from usvkernels.dwa.clearance import FAR
-from usvkernels.dwa.params import DwaParams, DwaStatic
 from usvkernels.status import Status
 
 CALL = 16_384

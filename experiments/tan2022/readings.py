@@ -6,8 +6,8 @@ from math import degrees, inf, pi
 from typing import Any
 
 from experiments.tan2022.published import RADII
+from usvjax.missions.dwa.params import DwaParams, DwaStatic
 from usvjax.missions.dwa.scenes import DiscTable, LatticeTable, Source
-from usvkernels.dwa.params import DwaParams, DwaStatic
 
 FEW_MAPS = "trajectory"
 """Clearance that looks at thirty points instead of one, and gets a fifth of the maps."""
@@ -42,7 +42,7 @@ class Reading:
         cap: largest dist that counts, m.
         cap_in_radii: the same as a multiple of the obstacle radius; the smaller one holds.
         clear_distance: dist where no obstacle counts, m; never more than the cap.
-        clearance, normalise, braking: see `usvkernels.dwa.params.DwaStatic`.
+        clearance, normalise, braking: see `usvjax.missions.dwa.params.DwaStatic`.
         v_min: m/s; Table 1 prints -1.
         search_angle: phi, rad.
         goal_tolerance: m.

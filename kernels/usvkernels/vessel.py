@@ -1,7 +1,9 @@
-"""Kinematics of a vessel that follows speed and yaw-rate commands.
+"""Plants: how a vessel that follows speed and yaw-rate commands moves, and its predicted headings.
 
 The pose is (x, y, psi): metres east, metres north, heading in rad counter-clockwise from x.
 """
+
+from collections.abc import Callable
 
 import jax.numpy as jnp
 from jax import Array
@@ -11,10 +13,14 @@ from usvkernels.trig import sincos, wrap_angle
 Complex = tuple[Array, Array]
 """Real and imaginary part; XLA's own complex numbers do not vectorise on a CPU."""
 
+Pose = tuple[Array, Array, Array]
+"""x, y (m), psi (rad), of any common shape."""
 
-def unicycle_step(
-    x: Array, y: Array, psi: Array, v: Array, w: Array, dt: Array | float
-) -> tuple[Array, Array, Array]:
+Plant = Callable[[Array, Array, Array, Array, Array, Array | float], Pose]
+"""One control period: x, y (m), psi (rad), v (m/s), w (rad/s) and dt (s) to the pose after it."""
+
+
+def unicycle_step(x: Array, y: Array, psi: Array, v: Array, w: Array, dt: Array | float) -> Pose:
     """One Euler step of Tan et al. 2022, Eq. 1: move along the old heading, then turn.
 
     Args:
@@ -29,26 +35,19 @@ def unicycle_step(
     return x + v * dt * cos, y + v * dt * sin, wrap_angle(psi + w * dt)
 
 
-def body_step(
-    x: Array, y: Array, psi: Array, surge: Array, sway: Array, yaw_rate: Array, dt: Array | float
-) -> tuple[Array, Array, Array]:
-    """One Euler step of Chen et al. 2023, Eq. 3: body-frame velocities turned into the world.
+def heading_first_step(
+    x: Array, y: Array, psi: Array, v: Array, w: Array, dt: Array | float
+) -> Pose:
+    """One Euler step that turns first and moves along the new heading, as one known demo has it.
 
-    Args:
-      x, y, psi: pose before the step (m, m, rad), any common shape.
-      surge, sway: speed ahead and to port (m/s).
-      yaw_rate: rad/s.
-      dt: length of the step (s).
-
-    Returns:
-      The pose after the step, the heading wrapped to [-pi, pi).
+    Args and Returns: as `unicycle_step`.
     """
-    sin, cos = sincos(psi)
-    return (
-        x + (surge * cos - sway * sin) * dt,
-        y + (surge * sin + sway * cos) * dt,
-        wrap_angle(psi + yaw_rate * dt),
-    )
+    x, y, turned = unicycle_step(x, y, psi + w * dt, v, jnp.zeros_like(w), dt)
+    return x, y, turned
+
+
+PLANTS: dict[str, Plant] = {"unicycle": unicycle_step, "heading_first": heading_first_step}
+"""By the name that a user gives."""
 
 
 def complex_product(a: Complex, b: Complex) -> Complex:
@@ -73,27 +72,3 @@ def geometric_sum(ratio: Complex, n: int) -> tuple[Complex, Complex]:
             total = (total[0] + power[0], total[1] + power[1])
             power = complex_product(power, ratio)
     return total, power
-
-
-def constant_command_rollout(
-    x: Array, y: Array, psi: Array, v: Array, w: Array, dt: Array | float, n: int
-) -> tuple[Array, Array, Array]:
-    """Pose after n Euler steps (Tan et al. 2022, Eq. 1) under one constant command.
-
-    The headings of the n steps are psi, psi + w dt, ...: the displacement is v dt e^(i psi)
-    times a geometric sum, which needs two sines however large n is.
-
-    Args:
-      x, y, psi: pose before (m, m, rad), any common shape.
-      v, w: constant speed (m/s) and yaw rate (rad/s).
-      dt: length of one step (s).
-      n: number of steps, static, at least 1.
-
-    Returns:
-      The pose after n steps, the heading wrapped to [-pi, pi).
-    """
-    sin, cos = sincos(psi)
-    turn_sin, turn_cos = sincos(w * dt)
-    total, _ = geometric_sum((turn_cos, turn_sin), n)
-    east, north = complex_product((cos, sin), total)
-    return x + v * dt * east, y + v * dt * north, wrap_angle(psi + n * (w * dt))

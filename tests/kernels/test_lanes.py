@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import usvjax as uj
+from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvkernels import lanes
 from usvkernels.dwa import episodes
 from usvkernels.dwa.episodes import Jobs, Outcome
-from usvkernels.dwa.params import DwaParams, DwaStatic
 
 MAX_STEPS = 60
 
@@ -168,7 +168,7 @@ def sail(
 ) -> tuple[Outcome, lanes.Usage]:
     count = jobs.start.shape[0]
     return lanes.run(
-        episodes.program(jobs, params, STATIC),
+        episodes.program(jobs, split(params, STATIC)),
         count,
         capacity=count,
         lanes=width,

@@ -1,4 +1,4 @@
-"""Kinematics and their trigonometry against plain loops and complex numbers."""
+"""Plants and their trigonometry against complex numbers."""
 
 import cmath
 import math
@@ -11,13 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from usvkernels.trig import angle_between, sincos, wrap_angle
-from usvkernels.vessel import (
-    body_step,
-    complex_product,
-    constant_command_rollout,
-    geometric_sum,
-    unicycle_step,
-)
+from usvkernels.vessel import PLANTS, complex_product, geometric_sum
 
 METRES = st.floats(-1e3, 1e3)
 HEADINGS = st.floats(-math.pi, math.pi)
@@ -28,52 +22,9 @@ ANGLES = st.floats(-1e3, 1e3)
 TINY = float(np.finfo(np.float64).tiny)  # XLA takes products below it for 0
 
 
-def euler_loop(
-    x: float, y: float, psi: float, v: float, w: float, dt: float, n: int
-) -> tuple[float, float, float]:
-    """Eq. 1 written out, n times, headings not wrapped."""
-    for _ in range(n):
-        x, y, psi = x + v * dt * math.cos(psi), y + v * dt * math.sin(psi), psi + w * dt
-    return x, y, psi
-
-
 def turns_apart(a: float, b: float) -> float:
     """How far two angles are from being congruent, rad."""
     return abs(math.remainder(a - b, 2.0 * math.pi))
-
-
-@given(METRES, METRES, HEADINGS, SPEEDS, RATES, PERIODS, st.integers(1, 60))
-@example(0.0, 0.0, 0.0, 1.0, 0.0, 0.1, 30)  # straight ahead, where a quotient is 0 / 0
-@example(0.0, 0.0, 1.0, 1.0, 1e-300, 0.1, 30)
-@example(0.0, 0.0, 0.0, TINY, 0.0, 0.5, 1)
-@settings(max_examples=150, deadline=None)
-def test_closed_form_rollout_is_the_euler_loop(
-    x: float, y: float, psi: float, v: float, w: float, dt: float, n: int
-) -> None:
-    with enable_x64():
-        now = (jnp.float64(x), jnp.float64(y), jnp.float64(psi))
-        got = constant_command_rollout(*now, jnp.float64(v), jnp.float64(w), dt, n)
-        got_x, got_y, got_psi = (float(a) for a in got)
-    want_x, want_y, want_psi = euler_loop(x, y, psi, v, w, dt, n)
-    error = 1e-12 * (abs(x) + abs(y) + abs(v) * dt * n) + TINY * n
-    assert abs(got_x - want_x) <= error
-    assert abs(got_y - want_y) <= error
-    assert turns_apart(got_psi, want_psi) <= 1e-12 * (1.0 + abs(w) * dt * n)
-
-
-def test_closed_form_rollout_in_float32() -> None:
-    rng = np.random.default_rng(1)
-    n = 5_000
-    x, y = rng.uniform(-10, 10, (2, n)).astype(np.float32)
-    psi = rng.uniform(-np.pi, np.pi, n).astype(np.float32)
-    v, w = (rng.uniform(-1, 1, (2, n)) * [[1.0], [0.6]]).astype(np.float32)
-    now = (jnp.asarray(x), jnp.asarray(y), jnp.asarray(psi))
-    rollout = constant_command_rollout(*now, jnp.asarray(v), jnp.asarray(w), 0.1, 30)
-    got = np.array(rollout, np.float64)
-    rows = np.stack((x, y, psi, v, w), axis=1).astype(np.float64)
-    want = np.array([euler_loop(a, b, c, d, e, 0.1, 30) for a, b, c, d, e in rows]).T
-    assert np.abs(got[:2] - want[:2]).max() < 4e-6
-    assert np.abs(np.exp(1j * got[2]) - np.exp(1j * want[2])).max() < 2e-6
 
 
 @given(HEADINGS, st.integers(1, 200))
@@ -94,30 +45,22 @@ def test_geometric_sum_is_exact_without_rotation() -> None:
         assert (float(power[0]), float(power[1])) == (1.0, 0.0)
 
 
-@given(METRES, METRES, HEADINGS, SPEEDS, SPEEDS, RATES, PERIODS)
+@given(METRES, METRES, HEADINGS, SPEEDS, RATES, PERIODS)
 @settings(max_examples=80, deadline=None)
-def test_steps_against_complex_numbers(
-    x: float, y: float, psi: float, surge: float, sway: float, w: float, dt: float
+def test_plants_against_complex_numbers(
+    x: float, y: float, psi: float, v: float, w: float, dt: float
 ) -> None:
+    along = {"unicycle": psi, "heading_first": psi + w * dt}
+    assert set(along) == set(PLANTS)
     with enable_x64():
-        pose = (jnp.float64(x), jnp.float64(y), jnp.float64(psi))
-        speeds = (jnp.float64(surge), jnp.float64(sway), jnp.float64(w))
-        unicycle = [float(a) for a in unicycle_step(*pose, speeds[0], speeds[2], dt)]
-        body = [float(a) for a in body_step(*pose, *speeds, dt)]
-    error = 1e-14 * (abs(x) + abs(y) + dt * (abs(surge) + abs(sway))) + 4.0 * TINY
-    eq1 = complex(x, y) + surge * dt * cmath.exp(1j * psi)
-    eq3 = complex(x, y) + complex(surge, sway) * dt * cmath.exp(1j * psi)
-    assert abs(complex(*unicycle[:2]) - eq1) <= error
-    assert abs(complex(*body[:2]) - eq3) <= error
-    for heading in (unicycle[2], body[2]):
+        now = [jnp.float64(value) for value in (x, y, psi, v, w)]
+        found = {name: [float(a) for a in step(*now, dt)] for name, step in PLANTS.items()}
+    error = 1e-14 * (abs(x) + abs(y) + dt * abs(v)) + 4.0 * TINY
+    for name, (got_x, got_y, heading) in found.items():
+        eq1 = complex(x, y) + v * dt * cmath.exp(1j * along[name])
+        assert abs(complex(got_x, got_y) - eq1) <= error
         assert -math.pi <= heading < math.pi
         assert turns_apart(heading, psi + w * dt) <= 1e-14
-
-
-def test_sway_moves_to_port() -> None:
-    zero, one = jnp.float32(0.0), jnp.float32(1.0)
-    x, y, psi = body_step(zero, zero, zero, zero, one, zero, 0.5)
-    assert (float(x), float(y), float(psi)) == (0.0, 0.5, 0.0)
 
 
 @given(ANGLES)

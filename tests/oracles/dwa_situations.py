@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.peers import Settings, dwa_numpy
+from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvkernels.dwa import candidates as dwa
-from usvkernels.dwa.params import DwaParams, DwaStatic
 from usvkernels.dwa.window import Motion
 
 Floats = npt.NDArray[np.float64]
@@ -111,8 +111,10 @@ def weigh(
     obstacles: jax.Array,
     goal: jax.Array,
 ) -> tuple[dwa.Candidates, tuple[jax.Array, ...], tuple[jax.Array, jax.Array]]:
-    found = dwa.candidates(params, static, motion, obstacles, goal)
-    return found, dwa.choose(found), dwa.decide(params, static, motion, obstacles, goal)
+    vessel, sampling, objective, rules = split(params, static)
+    sight = motion, obstacles, rules.radius, goal
+    found = dwa.candidates(vessel, sampling, objective, *sight)
+    return found, dwa.choose(found), dwa.decide(vessel, sampling, objective, *sight)
 
 
 def parameters(s: Settings) -> tuple[DwaParams, DwaStatic]:

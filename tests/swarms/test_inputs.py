@@ -9,9 +9,9 @@ import pytest
 
 from usvjax import tours
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.missions.dwa.params import DwaParams
 from usvjax.swarms import minimising as module
 from usvjax.swarms.minimising import minimise
-from usvkernels.dwa.params import DwaParams
 from usvkernels.swarms.aco import AcoParams, AcoStatic
 from usvkernels.swarms.cmpso import CmpsoParams, CmpsoStatic
 from usvkernels.swarms.functions import sphere

@@ -10,8 +10,17 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from usvkernels.dwa.clearance import FAR, Scalar, centres, fold_blocks, in_sector, nearest_squared
-from usvkernels.dwa.params import DwaParams, DwaStatic
+from usvkernels.dwa.clearance import (
+    FAR,
+    Scalar,
+    Sector,
+    centres,
+    fold_blocks,
+    in_sector,
+    nearest_squared,
+    sector_of,
+)
+from usvkernels.dwa.params import Objective, Sampling, Vessel
 from usvkernels.dwa.window import SLACK, Fan, Motion, Window, open_window, unknown_true
 from usvkernels.trig import angle_between, sincos
 from usvkernels.vessel import Complex, complex_product
@@ -47,14 +56,11 @@ def _nearest_along(
     v_i: Array,
     fan: Fan,
     counted: list[Array] | None,
-    static: DwaStatic,
     dt: Scalar,
+    horizon: int,
     least: Array,
 ) -> Array:
-    """As `nearest_squared`, over all positions of the predicted trajectory instead of its end."""
-    if static.clearance == "trajectory_and_start":
-        still = jnp.zeros_like(v_i[:, None] * fan.chord[0])
-        least = nearest_squared(obstacles, (still, still), counted, least)
+    """As `nearest_squared`, over all positions of the predicted trajectory after its start."""
 
     def advance(_: int, carry: tuple[Complex, Complex, Array]) -> tuple[Complex, Complex, Array]:
         chord, direction, least = carry
@@ -67,10 +73,12 @@ def _nearest_along(
         )
 
     origin = (jnp.zeros_like(fan.first[0]), jnp.zeros_like(fan.first[1]))
-    return jax.lax.fori_loop(0, static.horizon, advance, (origin, fan.first, least))[2]
+    return jax.lax.fori_loop(0, horizon, advance, (origin, fan.first, least))[2]
 
 
-def _clearance(params: DwaParams, static: DwaStatic, window: Window) -> Array:
+def _clearance(
+    vessel: Vessel, sampling: Sampling, objective: Objective, sector: Sector, window: Window
+) -> Array:
     """dist(v, w): from the predicted trajectory to the nearest circle that counts, capped.
 
     Returns:
@@ -79,7 +87,7 @@ def _clearance(params: DwaParams, static: DwaStatic, window: Window) -> Array:
     v_i, fan = window.v, window.fan
     end = (v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1])
     # Standing still is not going astern, whatever rounding makes of 0.
-    astern = (v_i < -SLACK * params.v_step)[:, None]
+    astern = (v_i < -SLACK * sampling.v_step)[:, None]
     ahead = (
         jnp.where(astern, -fan.heading[0], fan.heading[0]),
         jnp.where(astern, -fan.heading[1], fan.heading[1]),
@@ -87,40 +95,54 @@ def _clearance(params: DwaParams, static: DwaStatic, window: Window) -> Array:
 
     def fold(block: Array, least: Array) -> Array:
         counted = None
-        if static.method == "improved":
-            counted = [
-                in_sector(centre, end, ahead, window.sector, params.radius)
-                for centre in centres(block)
-            ]
-        if static.clearance == "endpoint":
+        if objective.method == "improved":
+            counted = [in_sector(centre, end, ahead, sector) for centre in centres(block)]
+        if objective.clearance == "endpoint":
             return nearest_squared(block, end, counted, least)
-        return _nearest_along(block, v_i, fan, counted, static, params.dt, least)
+        if objective.clearance == "trajectory_and_start":
+            still = jnp.zeros_like(end[0])
+            least = nearest_squared(block, (still, still), counted, least)
+        return _nearest_along(block, v_i, fan, counted, vessel.dt, sampling.horizon, least)
 
     nearest = fold_blocks(fold, window.obstacles, jnp.full_like(end[0], jnp.inf))
-    dist = jnp.where(nearest < FAR / 2, nearest - params.radius, params.clear_distance)
-    return jnp.where(dist > params.clearance_cap, params.clearance_cap, dist)
+    dist = jnp.where(nearest < FAR / 2, nearest - sector.radius, objective.clear_distance)
+    return jnp.where(dist > objective.clearance_cap, objective.clearance_cap, dist)
 
 
 def candidates(
-    params: DwaParams, static: DwaStatic, motion: Motion, obstacles: Array, goal: Array
+    vessel: Vessel,
+    sampling: Sampling,
+    objective: Objective,
+    motion: Motion,
+    obstacles: Array,
+    radius: Scalar,
+    goal: Array,
 ) -> Candidates:
     """Predict and score every command of the window (Tan et al. 2022, Eqs. 2 to 6).
 
     Args:
-      params, static: of the method.
+      vessel, sampling, objective: of the method.
       motion: the vessels.
       obstacles: float[2, K, lanes], centres (m); rows at FAR are padding.
+      radius: of the circles about them (m).
       goal: float[2, lanes] (m).
     """
-    window = open_window(params, static, motion, obstacles)
-    return _weigh(params, static, motion, goal, window)
+    sector = sector_of(objective.search_angle, radius, motion.rows.dtype)
+    window = open_window(vessel, sampling, motion, obstacles)
+    return _weigh(vessel, sampling, objective, sector, motion, goal, window)
 
 
 def _weigh(
-    params: DwaParams, static: DwaStatic, motion: Motion, goal: Array, window: Window
+    vessel: Vessel,
+    sampling: Sampling,
+    objective: Objective,
+    sector: Sector,
+    motion: Motion,
+    goal: Array,
+    window: Window,
 ) -> Candidates:
     v_i, w_j, fan = window.v, window.w, window.fan
-    dist = _clearance(params, static, window)
+    dist = _clearance(vessel, sampling, objective, sector, window)
     east, north = v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1]
     to_goal = goal - motion.place
     to_east, to_north = to_goal[0] - east, to_goal[1] - north
@@ -129,20 +151,20 @@ def _weigh(
         fan.heading[0] * to_east + fan.heading[1] * to_north,
     )
     admissible = window.inside_v[:, None] & window.inside_w & (dist > 0.0)
-    if static.braking:
+    if objective.braking:
         v_square, w_square = (v_i * v_i)[:, None], w_j * w_j
-        admissible &= (v_square <= 2.0 * dist * params.v_dec) & (
-            w_square <= 2.0 * dist * params.w_dec
+        admissible &= (v_square <= 2.0 * dist * vessel.v_dec) & (
+            w_square <= 2.0 * dist * vessel.w_dec
         )
     closeness = dist
-    if static.clearance_score == "reciprocal":
-        closeness = -1.0 / (dist + params.radius)
+    if objective.clearance_score == "reciprocal":
+        closeness = -1.0 / (dist + sector.radius)
     parts = (jnp.pi - error, closeness, v_i[:, None])
-    heading, clearance, velocity = _normalised(static, parts, admissible)
+    heading, clearance, velocity = _normalised(objective.normalise, parts, admissible)
     score = (
-        params.heading_weight * heading
-        + params.clearance_weight * clearance
-        + params.velocity_weight * velocity
+        objective.heading_weight * heading
+        + objective.clearance_weight * clearance
+        + objective.velocity_weight * velocity
     )
     return Candidates(
         v=v_i,
@@ -156,13 +178,11 @@ def _weigh(
     )
 
 
-def _normalised(
-    static: DwaStatic, parts: tuple[Array, ...], admissible: Array
-) -> tuple[Array, ...]:
+def _normalised(how: str, parts: tuple[Array, ...], admissible: Array) -> tuple[Array, ...]:
     """Scores [n_v, n_w or 1, lanes] made comparable over the admissible candidates of a lane."""
-    if static.normalise == "none":
+    if how == "none":
         return parts
-    if static.normalise == "sum":
+    if how == "sum":
         scales = single(_scales, parts, admissible)
         return tuple(part * scale for part, scale in zip(parts, scales, strict=True))
     return tuple(_in_range(part, admissible) for part in parts)
@@ -217,25 +237,40 @@ def _best(score: Array) -> Choice:
 
 
 def decide(
-    params: DwaParams, static: DwaStatic, motion: Motion, obstacles: Array, goal: Array
+    vessel: Vessel,
+    sampling: Sampling,
+    objective: Objective,
+    motion: Motion,
+    obstacles: Array,
+    radius: Scalar,
+    goal: Array,
 ) -> Command:
     """Speed and yaw rate to execute next (m/s, rad/s), float[lanes]; arguments as `candidates`."""
-    window = open_window(params, static, motion, obstacles)
-    chosen = partial(_decide, static)
-    return stage(unknown_true(params), chosen, params, motion, goal, window)
+    sector = sector_of(objective.search_angle, radius, motion.rows.dtype)
+    window = open_window(vessel, sampling, motion, obstacles)
+    go = unknown_true(vessel.dt)
+    return stage(go, _decide, vessel, sampling, objective, sector, motion, goal, window)
 
 
-@partial(jax.jit, static_argnums=0)  # traced once for all branches of a stage
+@jax.jit  # traced once for all branches of a stage
 def _decide(
-    static: DwaStatic, params: DwaParams, motion: Motion, goal: Array, window: Window
+    vessel: Vessel,
+    sampling: Sampling,
+    objective: Objective,
+    sector: Sector,
+    motion: Motion,
+    goal: Array,
+    window: Window,
 ) -> Command:
-    found = _weigh(params, static, motion, goal, window)
-    return single(partial(_command, static), params, motion, goal, found.v, found.w, found.score)
+    found = _weigh(vessel, sampling, objective, sector, motion, goal, window)
+    command = partial(_command, objective.when_blocked)
+    return single(command, vessel, sampling, motion, goal, found.v, found.w, found.score)
 
 
 def _command(
-    static: DwaStatic,
-    params: DwaParams,
+    when_blocked: str,
+    vessel: Vessel,
+    sampling: Sampling,
     motion: Motion,
     goal: Array,
     v_i: Array,
@@ -244,20 +279,20 @@ def _command(
 ) -> Command:
     """The best candidate's command, or that of a vessel without an admissible one."""
     row, column, any_admissible = _best(score)
-    v = v_i[0] + row.astype(score.dtype) * params.v_step
-    w = w_j[0] + column.astype(score.dtype) * params.w_step
-    blocked_v, blocked_w = _when_blocked(params, static, motion, goal)
+    v = v_i[0] + row.astype(score.dtype) * sampling.v_step
+    w = w_j[0] + column.astype(score.dtype) * sampling.w_step
+    blocked_v, blocked_w = _blocked(when_blocked, vessel, motion, goal)
     return jnp.where(any_admissible, v, blocked_v), jnp.where(any_admissible, w, blocked_w)
 
 
-def _when_blocked(params: DwaParams, static: DwaStatic, motion: Motion, goal: Array) -> Command:
-    v = _towards_zero(motion.v, params.v_dec * params.dt)
-    if static.when_blocked == "brake":
-        return v, _towards_zero(motion.w, params.w_dec * params.dt)
+def _blocked(how: str, vessel: Vessel, motion: Motion, goal: Array) -> Command:
+    v = _towards_zero(motion.v, vessel.v_dec * vessel.dt)
+    if how == "brake":
+        return v, _towards_zero(motion.w, vessel.w_dec * vessel.dt)
     sin, cos = sincos(motion.psi)
     side = cos * (goal[1] - motion.y) - sin * (goal[0] - motion.x)
-    change = jnp.where(side >= 0.0, params.w_acc, -params.w_dec) * params.dt
-    return v, jnp.clip(motion.w + change, params.w_min, params.w_max)
+    change = jnp.where(side >= 0.0, vessel.w_acc, -vessel.w_dec) * vessel.dt
+    return v, jnp.clip(motion.w + change, vessel.w_min, vessel.w_max)
 
 
 def _towards_zero(rate: Array, change: Scalar) -> Array:

@@ -31,6 +31,7 @@ class Sector(NamedTuple):
 
     cot: Array  # cotangent of half its angle
     reach: Array  # m, their radius over the sine of half its angle
+    radius: Scalar  # m, theirs
 
 
 Fold = Callable[[Array, Array], Array]
@@ -62,18 +63,16 @@ def _nearer(centre: Complex, point: Complex, counts: Array | None, least: Array)
     return nearer if counts is None else jnp.where(counts, nearer, least)
 
 
-def sector_of(half_angle: Array, radius: Array) -> Sector:
+def sector_of(half_angle: Scalar, radius: Scalar, dtype: jnp.dtype) -> Sector:
     """The search sector of this half-angle (rad) for obstacle circles of `radius` (m)."""
-    sin, cos = sincos(half_angle)
+    sin, cos = sincos(jnp.asarray(half_angle, dtype))
     # At pi, rounding makes it negative and would drop what is dead ahead.
     sin = jnp.maximum(jnp.abs(sin), LEAST_SINE)
-    return Sector(cot=cos / sin, reach=radius / sin)
+    return Sector(cot=cos / sin, reach=jnp.asarray(radius, dtype) / sin, radius=radius)
 
 
 @jax.jit  # as `_nearer`
-def in_sector(
-    centre: Complex, point: Complex, ahead: Complex, sector: Sector, radius: Scalar
-) -> Array:
+def in_sector(centre: Complex, point: Complex, ahead: Complex, sector: Sector) -> Array:
     """Whether an obstacle's circle meets the search sector at P (Tan et al. 2022, Fig. 1).
 
     That is, whether its centre is within the radius of the sector that opens from `point`, P,
@@ -86,7 +85,7 @@ def in_sector(
     across = jnp.abs(offset[0] * ahead[1] - offset[1] * ahead[0])
     foot_on_ray = along * sector.cot + across > 0.0
     from_ray = across * sector.cot - along
-    touches_p = offset[0] * offset[0] + offset[1] * offset[1] <= radius * radius
+    touches_p = offset[0] * offset[0] + offset[1] * offset[1] <= sector.radius * sector.radius
     return (from_ray <= jnp.where(foot_on_ray, sector.reach, 0.0)) | touches_p
 
 

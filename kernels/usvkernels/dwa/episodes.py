@@ -1,24 +1,22 @@
 """Closed-loop episodes under the dynamic window approach, as a program for the lanes."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from usvkernels.dwa.candidates import decide
-from usvkernels.dwa.clearance import FAR, nearest_distance
-from usvkernels.dwa.params import DwaParams, DwaStatic
+from usvkernels.dwa.candidates import Command, decide
+from usvkernels.dwa.clearance import FAR, Scalar, nearest_distance
+from usvkernels.dwa.params import Rules, Settings, Vessel
 from usvkernels.dwa.window import Motion, unknown_true
 from usvkernels.lanes import Program
 from usvkernels.status import Status
-from usvkernels.vessel import unicycle_step
+from usvkernels.trig import wrap_angle
+from usvkernels.vessel import PLANTS, Plant, Pose
 from usvkernels.xla.single import single
 from usvkernels.xla.stage import stage
-
-Pose = tuple[Array, Array, Array]
-"""x, y (m), psi (rad), each float[lanes]."""
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -58,7 +56,7 @@ class Episode:
     counts: Array  # int32[3, lanes]: `status`, `steps` and `anchor_step`
     goal: Array  # float[2, lanes], m
     obstacles: Array | None  # float[2, K, lanes], m; None where a chart is sensed
-    swept: dict[str, Array]  # float[lanes], the parameters that differ between episodes
+    swept: dict[int, Array]  # float[lanes], the settings that differ, by place among the leaves
 
     @property
     def motion(self) -> Motion:
@@ -107,26 +105,28 @@ class Outcome:
     min_clearance: Array  # float, m; inf where no obstacle was ever near
 
 
-def program(jobs: Jobs, params: DwaParams, static: DwaStatic) -> Program:
+def program(jobs: Jobs, settings: Settings) -> Program:
     """Episodes of `jobs` as a program for `lanes.run`.
 
     Args:
       jobs: the episodes.
-      params: leaves scalar, or float[n] with one value per episode.
-      static: choices of method.
+      settings: leaves scalar, or float[n] with one value per episode.
     """
-    swept = {f.name: getattr(params, f.name) for f in fields(params)}
-    swept = {name: value for name, value in swept.items() if jnp.ndim(value) == 1}
+    leaves, tree = jax.tree.flatten(settings)
+    swept = {place: leaf for place, leaf in enumerate(leaves) if jnp.ndim(leaf) == 1}
+
+    def settings_of(own: dict[int, Array]) -> Settings:
+        return jax.tree.unflatten(tree, [own.get(place, leaf) for place, leaf in enumerate(leaves)])
 
     def start(job: Array) -> Episode:
-        per_lane = {name: value[job] for name, value in swept.items()}
-        return _start(jobs, replace(params, **per_lane), per_lane, job)
+        per_lane = {place: leaf[job] for place, leaf in swept.items()}
+        return _start(jobs, settings_of(per_lane).rules, per_lane, job)
 
     def step(episode: Episode) -> Episode:
-        return _step(jobs.chart, replace(params, **episode.swept), static, episode)
+        return _step(jobs.chart, settings_of(episode.swept), episode)
 
     def result(episode: Episode) -> Outcome:
-        return _outcome(replace(params, **episode.swept), episode)
+        return _outcome(settings_of(episode.swept).rules, episode)
 
     def taken(episode: Episode) -> Array:
         return episode.steps
@@ -134,7 +134,7 @@ def program(jobs: Jobs, params: DwaParams, static: DwaStatic) -> Program:
     return Program(start=start, step=step, done=_ended, result=result, taken=taken)
 
 
-def _start(jobs: Jobs, params: DwaParams, swept: dict[str, Array], job: Array) -> Episode:
+def _start(jobs: Jobs, rules: Rules, swept: dict[int, Array], job: Array) -> Episode:
     x, y, psi = jobs.start[job].T
     goal = jobs.goal[job].T
     still = jnp.zeros_like(x)
@@ -147,7 +147,7 @@ def _start(jobs: Jobs, params: DwaParams, swept: dict[str, Array], job: Array) -
         swept=swept,
     )
     nearest = nearest_distance(sensed(jobs.chart, episode), x, y)
-    there = _within(x - goal[0], y - goal[1], params.goal_tolerance)
+    there = _within(x - goal[0], y - goal[1], rules.goal_tolerance)
     status = jnp.where(there, int(Status.REACHED), episode.status)
     return replace(
         episode,
@@ -175,58 +175,67 @@ def sensed(chart: Charted | None, episode: Episode) -> Array:
     return jnp.where(blocked < 0, FAR, jnp.stack([east, north]))
 
 
-def _step(chart: Charted | None, params: DwaParams, static: DwaStatic, episode: Episode) -> Episode:
+def _step(chart: Charted | None, settings: Settings, episode: Episode) -> Episode:
     """Decide, execute one control period, and see what came of it."""
+    vessel, sampling, objective, rules = settings
     obstacles = sensed(chart, episode)
-    command = decide(params, static, episode.motion, obstacles, episode.goal)
-    sail = partial(_sail, static)
-    reals, counts = stage(unknown_true(params), sail, params, episode, obstacles, command)
+    motion, goal = episode.motion, episode.goal
+    command = decide(vessel, sampling, objective, motion, obstacles, rules.radius, goal)
+    go = unknown_true(vessel.dt)
+    reals, counts = stage(go, _sail, vessel, rules, episode, obstacles, command)
     return replace(episode, reals=reals, counts=counts)
 
 
-@partial(jax.jit, static_argnums=0)  # traced once for all branches of a stage
+@jax.jit  # traced once for all branches of a stage
 def _sail(
-    static: DwaStatic,
-    params: DwaParams,
+    vessel: Vessel,
+    rules: Rules,
     episode: Episode,
     obstacles: Array,
-    command: tuple[Array, Array],
+    command: Command,
 ) -> tuple[Array, Array]:
     """`reals` and `counts` after one control period under the command (m/s, rad/s)."""
-    pose = single(partial(_move, static), params, episode, command)
+    pose = _move(vessel, episode.motion, command)
     here = nearest_distance(obstacles, pose[0], pose[1])
-    return single(partial(_judge, static), params, episode, command, pose, here)
+    return single(_judge, vessel.dt, rules, episode, command, pose, here)
 
 
-def _move(
-    static: DwaStatic, params: DwaParams, episode: Episode, command: tuple[Array, Array]
-) -> Pose:
-    move = _turn_first if static.heading_first else unicycle_step
-    motion = episode.motion
-    return move(motion.x, motion.y, motion.psi, *command, params.dt)
+def _move(vessel: Vessel, motion: Motion, command: Command) -> Pose:
+    """The pose after one control period under the command: here the plant is chosen."""
+    if isinstance(vessel.plant, str):
+        return single(partial(_moved, PLANTS[vessel.plant]), vessel.dt, motion, command)
+    # Nobody knows what a user's function does, and not all of XLA compiles as a single piece.
+    own = partial(_moved_freely, vessel.plant)
+    return stage(unknown_true(vessel.dt), own, vessel.dt, motion, command)
+
+
+def _moved(plant: Plant, dt: Scalar, motion: Motion, command: Command) -> Pose:
+    return plant(motion.x, motion.y, motion.psi, *command, dt)
+
+
+def _moved_freely(plant: Plant, dt: Scalar, motion: Motion, command: Command) -> Pose:
+    """As `_moved`, whatever the heading's turn and the precision that come back."""
+    real = motion.rows.dtype
+    x, y, psi = (jnp.asarray(part, real) for part in _moved(plant, dt, motion, command))
+    return x, y, wrap_angle(psi)
 
 
 def _judge(
-    static: DwaStatic,
-    params: DwaParams,
-    episode: Episode,
-    command: tuple[Array, Array],
-    pose: Pose,
-    here: Array,
+    dt: Scalar, rules: Rules, episode: Episode, command: Command, pose: Pose, here: Array
 ) -> tuple[Array, Array]:
     """What came of a step to `pose`, whose nearest obstacle's centre is `here` metres away."""
     (v, w), (x, y, psi), goal = command, pose, episode.goal
     steps = episode.steps + 1
-    progress = ~_within(x - episode.anchor[0], y - episode.anchor[1], params.stuck_distance)
+    progress = ~_within(x - episode.anchor[0], y - episode.anchor[1], rules.stuck_distance)
     anchor_step = jnp.where(progress, steps, episode.anchor_step)
     anchor = jnp.where(progress, jnp.stack([x, y]), episode.anchor)
-    status = jnp.where(steps >= static.max_steps, int(Status.TIMED_OUT), int(Status.RUNNING))
-    idle = (steps - anchor_step).astype(x.dtype) * params.dt
-    status = jnp.where(idle >= params.stuck_time, int(Status.STUCK), status)
-    there = _within(x - goal[0], y - goal[1], params.goal_tolerance)
+    status = jnp.where(steps >= rules.max_steps, int(Status.TIMED_OUT), int(Status.RUNNING))
+    idle = (steps - anchor_step).astype(x.dtype) * dt
+    status = jnp.where(idle >= rules.stuck_time, int(Status.STUCK), status)
+    there = _within(x - goal[0], y - goal[1], rules.goal_tolerance)
     status = jnp.where(there, int(Status.REACHED), status)
-    status = jnp.where(here < params.radius, int(Status.COLLIDED), status)
-    length = episode.length + jnp.abs(v) * params.dt
+    status = jnp.where(here < rules.radius, int(Status.COLLIDED), status)
+    length = episode.length + jnp.abs(v) * dt
     nearest = jnp.minimum(episode.nearest, here)
     return (
         jnp.stack([x, y, psi, v, w, length, nearest, *anchor]),
@@ -234,22 +243,17 @@ def _judge(
     )
 
 
-def _turn_first(x: Array, y: Array, psi: Array, v: Array, w: Array, dt: Array | float) -> Pose:
-    x, y, turned = unicycle_step(x, y, psi + w * dt, v, jnp.zeros_like(w), dt)
-    return x, y, turned
-
-
 def _within(east: Array, north: Array, distance: Array | float) -> Array:
     return east * east + north * north <= distance * distance
 
 
-def _outcome(params: DwaParams, episode: Episode) -> Outcome:
+def _outcome(rules: Rules, episode: Episode) -> Outcome:
     clear = episode.nearest >= FAR / 2
     return Outcome(
         status=episode.status,
         steps=episode.steps,
         path_length=episode.length,
-        min_clearance=jnp.where(clear, jnp.inf, episode.nearest - params.radius),
+        min_clearance=jnp.where(clear, jnp.inf, episode.nearest - rules.radius),
     )
 
 

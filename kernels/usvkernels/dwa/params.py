@@ -1,81 +1,86 @@
-"""What the dynamic window approach of Tan et al. 2022 leaves to choose."""
+"""What the dynamic window approach leaves to choose, apart by what it is about.
 
-from dataclasses import dataclass
+Numbers are leaves, scalar or one per lane; what is marked static is part of the tree's structure,
+and another value of it compiles anew. Defaults, and what each field means to a user, are with the
+flat records of `usvjax.missions.dwa.params`.
+"""
+
+from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import NamedTuple
 
 import jax
-import numpy as np
 
 from usvkernels.dwa.clearance import Scalar
+from usvkernels.vessel import Plant
+
+STATIC = {"static": True}
 
 
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
-class DwaParams:
-    """Numbers of the method; each leaf a float, or float[lanes] to sweep it.
+class Vessel:
+    """What the vessel can do: limits of its commands, how long one holds, how it moves."""
 
-    Defaults are Table 1 of Tan et al. 2022; what the paper does not print says so.
-    """
-
-    v_min: Scalar = -1.0  # m/s, Table 1
-    v_max: Scalar = 1.0  # m/s, Table 1
-    w_min: Scalar = -0.5236  # rad/s, Table 1
-    w_max: Scalar = 0.5236  # rad/s, Table 1
-    v_acc: Scalar = 0.2  # m/s^2, Table 1
-    v_dec: Scalar = 0.2  # m/s^2, magnitude, Table 1
-    w_acc: Scalar = 0.8727  # rad/s^2, Table 1
-    w_dec: Scalar = 0.8727  # rad/s^2, magnitude, Table 1
-    v_step: Scalar = 0.01  # m/s, speed resolution, not printed
-    w_step: Scalar = np.pi / 180  # rad/s, yaw-rate resolution, not printed
-    heading_weight: Scalar = 0.05  # alpha, Table 1
-    clearance_weight: Scalar = 0.2  # beta, Table 1
-    velocity_weight: Scalar = 0.1  # gamma, Table 1
-    dt: Scalar = 0.1  # s, control period, not printed
-    search_angle: Scalar = np.pi / 3  # rad, phi, Table 1
-    clearance_cap: Scalar = np.inf  # m, largest dist that scores, not printed
-    clear_distance: Scalar = 2.0  # m, dist where no obstacle counts, not printed
-    radius: Scalar = 0.5  # m, obstacle expansion circle, Tables 2 to 4
-    goal_tolerance: Scalar = 0.5  # m, not printed
-    stuck_distance: Scalar = 0.2  # m, an episode that stays within this ...
-    stuck_time: Scalar = 20.0  # s, ... for this long is stuck
-
-    @property
-    def top_speed(self) -> Any:
-        """Largest speed, ahead or astern (m/s), of parameters on the host."""
-        return np.maximum(np.abs(self.v_min), np.abs(self.v_max))
+    v_min: Scalar  # m/s
+    v_max: Scalar  # m/s
+    w_min: Scalar  # rad/s
+    w_max: Scalar  # rad/s
+    v_acc: Scalar  # m/s^2
+    v_dec: Scalar  # m/s^2, magnitude
+    w_acc: Scalar  # rad/s^2
+    w_dec: Scalar  # rad/s^2, magnitude
+    dt: Scalar  # s, control period
+    plant: str | Plant = field(metadata=STATIC)  # a name of `vessel.PLANTS`, or a function
 
 
+@partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
-class DwaStatic:
-    """Sizes and choices of method; hashable, a change compiles anew.
+class Sampling:
+    """Which commands of the window are tried, and how far ahead each is predicted."""
 
-    Attributes:
-      method: "traditional" (every obstacle counts) or "improved" (only those that the search
-        sector at the predicted position meets; Tan et al. 2022, section 3).
-      n_v, n_w: candidates along speed and yaw rate.
-      horizon: Euler steps of the predicted trajectory; t_sim = horizon * dt.
-      clearance: "endpoint" (at the predicted position, as in Tan's Fig. 1) or "trajectory"
-        (the least over all predicted positions) or "trajectory_and_start" (the present one too).
-      clearance_score: "distance", or "reciprocal": minus one over the distance to the centre.
-      normalise: "sum" (by the sum of magnitudes over the admissible candidates), "range"
-        (to 0..1 between the worst and the best) or "none".
-      braking: whether Eq. 4 (able to stop before the obstacle) bounds the candidates.
-      heading_first: whether a step turns before it moves, as one widely used demo has it,
-        instead of after (Eq. 1).
-      when_blocked: without an admissible candidate, "brake" (both rates towards zero) or
-        "turn" (brake, and turn on towards the goal).
-      max_steps: bound on the steps of an episode.
-    """
+    v_step: Scalar  # m/s
+    w_step: Scalar  # rad/s
+    n_v: int = field(metadata=STATIC)
+    n_w: int = field(metadata=STATIC)
+    horizon: int = field(metadata=STATIC)  # steps of one control period
 
-    method: str = "traditional"
-    n_v: int = 5
-    n_w: int = 11
-    horizon: int = 30
-    clearance: str = "endpoint"
-    clearance_score: str = "distance"
-    normalise: str = "sum"
-    braking: bool = True
-    heading_first: bool = False
-    when_blocked: str = "brake"
-    max_steps: int = 1500  # 150 s, twice the longest time in Tan et al. 2022
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class Objective:
+    """Which candidates are admitted, how they score, and what is done where there is none."""
+
+    heading_weight: Scalar
+    clearance_weight: Scalar
+    velocity_weight: Scalar
+    search_angle: Scalar  # rad
+    clearance_cap: Scalar  # m
+    clear_distance: Scalar  # m
+    method: str = field(metadata=STATIC)
+    clearance: str = field(metadata=STATIC)
+    clearance_score: str = field(metadata=STATIC)
+    normalise: str = field(metadata=STATIC)
+    braking: bool = field(metadata=STATIC)
+    when_blocked: str = field(metadata=STATIC)
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class Rules:
+    """When an episode is over."""
+
+    radius: Scalar  # m, of the circles that are collided with
+    goal_tolerance: Scalar  # m
+    stuck_distance: Scalar  # m
+    stuck_time: Scalar  # s
+    max_steps: int = field(metadata=STATIC)
+
+
+class Settings(NamedTuple):
+    """All that an episode is sailed under."""
+
+    vessel: Vessel
+    sampling: Sampling
+    objective: Objective
+    rules: Rules

@@ -12,8 +12,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from usvkernels.dwa.clearance import Sector, sector_of
-from usvkernels.dwa.params import DwaParams, DwaStatic
+from usvkernels.dwa.clearance import Scalar
+from usvkernels.dwa.params import Sampling, Vessel
 from usvkernels.trig import sincos
 from usvkernels.vessel import Complex, complex_product, geometric_sum
 from usvkernels.xla.stage import stage
@@ -93,7 +93,6 @@ class Resolution:
     v_slack: Array  # m/s past the window's edge that rounding may explain
     w_slack: Array
     turn: Complex  # [n_w, 1 or lanes], rotation of one step at w_offset
-    sector: Sector
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -107,85 +106,84 @@ class Window:
     inside_w: Array  # bool[n_w, lanes]
     fan: Fan
     obstacles: Array  # float[2, K, lanes], centres relative to the vessel (m)
-    sector: Sector
 
 
-def resolution(params: DwaParams, static: DwaStatic, dtype: jnp.dtype) -> Resolution:
+def resolution(vessel: Vessel, sampling: Sampling, dtype: jnp.dtype) -> Resolution:
     """The window's resolution, in the arithmetic of `dtype`."""
-    p = jax.tree.map(partial(jnp.asarray, dtype=dtype), params)
-    w_offset = jnp.arange(static.n_w, dtype=dtype)[:, None]
-    sin, cos = sincos(w_offset * (p.w_step * p.dt))
+    can, by = jax.tree.map(partial(jnp.asarray, dtype=dtype), (vessel, sampling))
+    w_offset = jnp.arange(by.n_w, dtype=dtype)[:, None]
+    sin, cos = sincos(w_offset * (by.w_step * can.dt))
     return Resolution(
-        v_loss=p.v_dec * p.dt,
-        v_gain=p.v_acc * p.dt,
-        w_loss=p.w_dec * p.dt,
-        w_gain=p.w_acc * p.dt,
-        v_offset=jnp.arange(static.n_v, dtype=dtype)[:, None] * p.v_step,
-        w_offset=w_offset * p.w_step,
-        v_slack=SLACK * p.v_step,
-        w_slack=SLACK * p.w_step,
+        v_loss=can.v_dec * can.dt,
+        v_gain=can.v_acc * can.dt,
+        w_loss=can.w_dec * can.dt,
+        w_gain=can.w_acc * can.dt,
+        v_offset=jnp.arange(by.n_v, dtype=dtype)[:, None] * by.v_step,
+        w_offset=w_offset * by.w_step,
+        v_slack=SLACK * by.v_step,
+        w_slack=SLACK * by.w_step,
         turn=(cos, sin),
-        sector=sector_of(p.search_angle, p.radius),
     )
 
 
-def window(params: DwaParams, of: Resolution, v: Array, w: Array) -> Commands:
+def window(vessel: Vessel, of: Resolution, v: Array, w: Array) -> Commands:
     """Candidate commands: V_s and V_d (Tan et al. 2022, Eqs. 2, 3) at the given resolution.
 
     Args:
-      params: of the method.
-      of: what `resolution` makes of the same parameters.
+      vessel: its limits.
+      of: what `resolution` makes of them.
       v, w: present speed (m/s) and yaw rate (rad/s), float[lanes].
 
     Returns:
       (v_i, inside_v, w_j, inside_w), the first two [n_v, lanes], the others [n_w, lanes]; a
       candidate past the window's upper edge is not inside.
     """
-    v_low = jnp.maximum(params.v_min, v - of.v_loss)
-    w_low = jnp.maximum(params.w_min, w - of.w_loss)
-    v_high = jnp.minimum(params.v_max, v + of.v_gain)
-    w_high = jnp.minimum(params.w_max, w + of.w_gain)
+    v_low = jnp.maximum(vessel.v_min, v - of.v_loss)
+    w_low = jnp.maximum(vessel.w_min, w - of.w_loss)
+    v_high = jnp.minimum(vessel.v_max, v + of.v_gain)
+    w_high = jnp.minimum(vessel.w_max, w + of.w_gain)
     v_i, w_j = v_low + of.v_offset, w_low + of.w_offset
     return v_i, v_i <= v_high + of.v_slack, w_j, w_j <= w_high + of.w_slack
 
 
 def _predict(
-    static: DwaStatic, params: DwaParams, of: Resolution, bow: Complex, base: Complex
+    vessel: Vessel, sampling: Sampling, of: Resolution, bow: Complex, base: Complex
 ) -> Fan:
     """Closed form of `horizon` Euler steps for all yaw rates of the window.
 
+    A plant other than "heading_first" is predicted as a unicycle.
+
     Args:
-      static, params, of: of the method.
+      vessel, sampling: what is predicted, and how far.
+      of: what `resolution` makes of them.
       bow: unit vector of the present heading.
       base: rotation of one step at the window's lowest yaw rate.
     """
-    dt = params.dt
+    dt = vessel.dt
     turn = complex_product(base, of.turn)
-    total, end = geometric_sum(turn, static.horizon)
+    total, end = geometric_sum(turn, sampling.horizon)
     shape = turn[0].shape
     first: Complex = (jnp.broadcast_to(bow[0], shape), jnp.broadcast_to(bow[1], shape))
     heading = complex_product(first, end)
-    if static.heading_first:
+    if vessel.plant == "heading_first":
         first = complex_product(first, turn)
     chord = complex_product((first[0] * dt, first[1] * dt), total)
     return Fan(chord, heading, first, turn)
 
 
 @jax.jit  # traced once for all branches of a stage
-def _commands(
-    params: DwaParams, of: Resolution, motion: Motion
-) -> tuple[Commands, Complex, Complex]:
+def _commands(vessel: Vessel, of: Resolution, motion: Motion) -> tuple[Commands, Complex, Complex]:
     """The window, and the last two arguments of `_predict`."""
-    commands = window(params, of, motion.v, motion.w)
+    commands = window(vessel, of, motion.v, motion.w)
     sin, cos = sincos(motion.psi)
-    base_sin, base_cos = sincos(commands[2][0] * params.dt)
+    base_sin, base_cos = sincos(commands[2][0] * vessel.dt)
     return commands, (cos, sin), (base_cos, base_sin)
 
 
-@partial(jax.jit, static_argnums=0)  # as `_commands`
+@jax.jit  # as `_commands`
 def _survey(
-    static: DwaStatic,
-    params: DwaParams,
+    vessel: Vessel,
+    sampling: Sampling,
     of: Resolution,
     bow: Complex,
     base: Complex,
@@ -193,50 +191,49 @@ def _survey(
     obstacles: Array,
 ) -> tuple[Fan, Array]:
     """The prediction, and the obstacles relative to the vessel."""
-    return _predict(static, params, of, bow, base), obstacles - motion.place[:, None]
+    return _predict(vessel, sampling, of, bow, base), obstacles - motion.place[:, None]
 
 
-def unknown_true(params: DwaParams) -> Array:
-    """True, which the compiler cannot know: what makes a `stage` of these parameters one."""
-    return jnp.any(jnp.asarray(params.dt) > 0.0)
+def unknown_true(dt: Scalar) -> Array:
+    """True, which the compiler cannot know: what makes a `stage` one; dt is a control period."""
+    return jnp.any(jnp.asarray(dt) > 0.0)
 
 
-def open_window(params: DwaParams, static: DwaStatic, motion: Motion, obstacles: Array) -> Window:
+def open_window(vessel: Vessel, sampling: Sampling, motion: Motion, obstacles: Array) -> Window:
     """The window and its prediction, in stages apart from what uses them.
 
     Otherwise XLA takes a vessel's sines anew for each yaw rate, and predicts anew for each of a
     yaw rate's speeds, in each use of the prediction.
     """
-    go = unknown_true(params)
-    of = resolution(params, static, motion.rows.dtype)
-    commands, bow, base = stage(go, _commands, params, of, motion)
-    survey = partial(_survey, static)
-    fan, relative = stage(go, survey, params, of, bow, base, motion, obstacles)
+    go = unknown_true(vessel.dt)
+    of = resolution(vessel, sampling, motion.rows.dtype)
+    commands, bow, base = stage(go, _commands, vessel, of, motion)
+    fan, relative = stage(go, _survey, vessel, sampling, of, bow, base, motion, obstacles)
     v, inside_v, w, inside_w = commands
-    return Window(v, inside_v, w, inside_w, fan, relative, of.sector)
+    return Window(v, inside_v, w, inside_w, fan, relative)
 
 
-def predicted_paths(params: DwaParams, static: DwaStatic, motion: Motion) -> Array:
+def predicted_paths(vessel: Vessel, sampling: Sampling, motion: Motion) -> Array:
     """Every predicted trajectory of the window, start included.
 
     Args:
-      params, static: of the method.
+      vessel, sampling: what is predicted, and how far.
       motion: the vessels.
 
     Returns:
       float[n_v, n_w, horizon + 1, lanes, 2] (m).
     """
     nothing = jnp.zeros((2, 0, motion.rows.shape[1]), motion.rows.dtype)
-    window = open_window(params, static, motion, nothing)
+    window = open_window(vessel, sampling, motion, nothing)
     v_i, w_j, fan = window.v, window.w, window.fan
     origin = jnp.zeros((*w_j.shape, 2), w_j.dtype)
-    dt = jnp.asarray(params.dt, w_j.dtype)[..., None]
+    dt = jnp.asarray(vessel.dt, w_j.dtype)[..., None]
 
     def advance(carry: tuple[Array, Complex], _: None) -> tuple[tuple[Array, Complex], Array]:
         chord, direction = carry
         chord = chord + dt * jnp.stack(direction, axis=-1)
         return (chord, complex_product(direction, fan.turn)), chord
 
-    _, chords = jax.lax.scan(advance, (origin, fan.first), None, length=static.horizon)
+    _, chords = jax.lax.scan(advance, (origin, fan.first), None, length=sampling.horizon)
     relative = jnp.concatenate([origin[None], chords]).swapaxes(0, 1)
     return motion.place.T + v_i[:, None, None, :, None] * relative

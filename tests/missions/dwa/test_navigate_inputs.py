@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import usvjax as uj
-from usvjax.missions.dwa import run as navigate
+from usvjax.missions.dwa import candidates, run
 
 NAN, INF = float("nan"), float("inf")
 OBSTACLES = np.array([[[3.0, 0.0], [0.0, 3.0]]] * 3)  # [3, 2, 2]
@@ -25,8 +25,9 @@ def _no_compute(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise ComputeError
 
-    for name in ("_sail", "_run", "_record", "_open_up"):
-        monkeypatch.setattr(navigate, name, refuse)
+    for name in ("_sail", "_run", "_record"):
+        monkeypatch.setattr(run, name, refuse)
+    monkeypatch.setattr(candidates, "_open_up", refuse)
 
 
 def sail(**changes: Any) -> None:

@@ -16,7 +16,7 @@ from dwa_situations import Situations, enable_x64, kernel, parameters, situation
 
 import usvjax as uj
 from benchmarks.peers import Settings, dwa_numpy, dwa_python
-from usvkernels.dwa.params import DwaParams
+from usvjax.missions.dwa.params import DwaParams
 
 K = 20
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import usvjax as uj
-from usvjax.missions.dwa.presets import check_dwa, window_size
+from usvjax.missions.dwa.params import check_dwa, window_size
 
 KNOT = 1852.0 / 3600.0  # m/s
 NAUTICAL_MILE = 1852.0  # m
@@ -17,7 +17,7 @@ NAUTICAL_MILE = 1852.0  # m
 # --- the sets ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", list(uj.PRESETS))
+@pytest.mark.parametrize("name", uj.preset_names())
 def test_every_preset_passes_its_own_check(name: str) -> None:
     chosen = uj.preset(name)
     check_dwa(chosen.params, chosen.static)
@@ -30,7 +30,7 @@ def test_every_preset_passes_its_own_check(name: str) -> None:
 
 
 def test_the_papers_and_the_demo_are_there() -> None:
-    assert {"tan2022", "wei2023", "pythonrobotics"} <= set(uj.PRESETS)
+    assert {"tan2022", "wei2023", "pythonrobotics"} <= set(uj.preset_names())
 
 
 def test_tan2022_is_table_1() -> None:
@@ -230,7 +230,8 @@ def test_sweeps_of_the_wrong_shape(value: Any, episodes: int | None, wanted: str
         ({"max_steps": True}, uj.BadTypeError, "got True; wanted a whole number"),
         ({"n_w": "11"}, uj.BadTypeError, "got '11'; wanted a whole number"),
         ({"braking": "no"}, uj.BadTypeError, "got 'no'; wanted a bool"),
-        ({"heading_first": 1}, uj.BadTypeError, "got 1; wanted a bool"),
+        ({"plant": "unicylce"}, uj.BadInputError, "got 'unicylce'.*mean 'unicycle'"),
+        ({"plant": True}, uj.BadInputError, "got True; valid: heading_first, unicycle"),
     ],
 )
 def test_impossible_choices(change: dict[str, Any], error: type[Exception], message: str) -> None:

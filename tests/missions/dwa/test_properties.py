@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from benchmarks.peers import SLACK, Settings
 from benchmarks.peers.dwa_numpy import Bools, Decision, wrap
+from usvjax.missions.dwa.params import split
 from usvkernels.dwa import window as dwa_window
 
 K = 8
@@ -51,11 +52,11 @@ def test_window_lies_inside_the_limits(
     s = replace(
         TRADITIONAL, dt=dt, v_acc=v_acc, v_dec=v_dec, w_acc=w_acc, w_dec=w_dec, n_v=11, n_w=22
     )
-    params, static = parameters(s)
-    resolution = dwa_window.resolution(params, static, jnp.dtype("float32"))
+    vessel, sampling, *_ = split(*parameters(s))
+    resolution = dwa_window.resolution(vessel, sampling, jnp.dtype("float32"))
     v_i, inside_v, w_j, inside_w = (
         np.asarray(a)[:, 0]
-        for a in dwa_window.window(params, resolution, jnp.float32([v]), jnp.float32([w]))
+        for a in dwa_window.window(vessel, resolution, jnp.float32([v]), jnp.float32([w]))
     )
     rounding = 3e-7
     for values, inside, now, low, high, dec, acc, step in (

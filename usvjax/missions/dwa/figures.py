@@ -9,10 +9,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from usvjax.mission import Replay, Replayed
+from usvjax.missions.dwa.candidates import DwaCandidates, dwa_candidates
 from usvjax.missions.dwa.decision import Decide, Episode, decision_film
 from usvjax.missions.dwa.inputs import set_scene
 from usvjax.missions.dwa.posed import DwaPosed
-from usvjax.missions.dwa.run import DwaCandidates, NavigateResult, dwa_candidates
+from usvjax.missions.dwa.run import NavigateResult
 from usvjax.plots.base_map import View
 from usvjax.plots.chart import detail, plot_chart
 from usvjax.plots.distributions import both_reached, plot_distributions

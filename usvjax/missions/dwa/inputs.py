@@ -11,10 +11,9 @@ import numpy as np
 from usvjax.checks import float_array, positive
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, obstacle_table
-from usvjax.missions.dwa.presets import check_dwa
+from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa
 from usvkernels.dwa.clearance import FAR
 from usvkernels.dwa.episodes import Charted, Jobs
-from usvkernels.dwa.params import DwaParams, DwaStatic
 
 ROWS_AT_ONCE = 1024  # of a check over all rows and obstacles, so that its arrays stay in the cache
 

@@ -26,13 +26,13 @@ from usvjax.mission import (
     Track,
 )
 from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa, fit_window
 from usvjax.missions.dwa.posed import DwaCase, DwaPosed
-from usvjax.missions.dwa.presets import PRESETS, check_dwa, fit_window, preset
 from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
 from usvjax.missions.dwa.scenes import ChartSource, ChartTable, DiscTable, LatticeTable, Source
+from usvjax.presets import preset, preset_names
 from usvjax.sections import Table
 from usvjax.tables import check_keys, read_values
-from usvkernels.dwa.params import DwaParams, DwaStatic
 from usvkernels.status import EPISODE_ENDINGS
 
 DEFAULT_PRESET = "tan2022"
@@ -55,7 +55,7 @@ class DwaMission:
             "params": Table(
                 "numbers of the method and of the vessel",
                 {"": DwaParams},
-                extra={"preset": f"the set to start from; one of {', '.join(PRESETS)}."},
+                extra={"preset": f"the set to start from; one of {', '.join(preset_names())}."},
             ),
             "static": Table("sizes and choices of method", {"": DwaStatic}, without=("method",)),
         }

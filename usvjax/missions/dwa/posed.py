@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from usvjax.maps import GridMap
+from usvjax.missions.dwa.params import DwaParams, DwaStatic
 from usvjax.missions.dwa.scenes import DwaScenes, Source
-from usvkernels.dwa.params import DwaParams, DwaStatic
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax.sharding import SingleDeviceSharding
 
-from usvjax.checks import float_array, whole_number
+from usvjax.checks import whole_number
 from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices, share_out
-from usvjax.missions.dwa.inputs import Scene, padded, refuse_remote, set_scene
-from usvjax.missions.dwa.presets import check_dwa
+from usvjax.missions.dwa.inputs import Scene, set_scene
+from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvkernels import lanes
-from usvkernels.dwa import candidates, episodes, window
+from usvkernels.dwa import episodes
 from usvkernels.dwa.episodes import Jobs, Outcome
-from usvkernels.dwa.params import DwaParams, DwaStatic
 from usvkernels.lanes import LEAST_LANES
 
 MOST_LANES = 256  # state of a step stays within the second-level cache
@@ -56,33 +55,6 @@ class NavigateResult:
     steps: np.ndarray
     trajectory: np.ndarray | None
     occupancy: float
-
-
-@dataclass(frozen=True)
-class DwaCandidates:
-    """One decision opened up; numpy arrays.
-
-    Attributes:
-      v: float32[n_v], candidate speeds (m/s).
-      w: float32[n_w], candidate yaw rates (rad/s).
-      end: float32[n_v, n_w, 2], predicted positions (m).
-      paths: float32[n_v, n_w, horizon + 1, 2], predicted trajectories (m).
-      clearance: float32[n_v, n_w], dist (m), capped.
-      admissible: bool[n_v, n_w].
-      score: float32[n_v, n_w], -inf where not admissible.
-      chosen: (i, j) of the executed candidate; None where none is admissible.
-      command: (v, w) executed (m/s, rad/s).
-    """
-
-    v: np.ndarray
-    w: np.ndarray
-    end: np.ndarray
-    paths: np.ndarray
-    clearance: np.ndarray
-    admissible: np.ndarray
-    score: np.ndarray
-    chosen: tuple[int, int] | None
-    command: tuple[float, float]
 
 
 def navigate_dwa(
@@ -134,66 +106,6 @@ def navigate_dwa(
     max_lanes = whole_number("max_lanes", max_lanes, LEAST_LANES)
     scene = set_scene(obstacles, starts, goals, valid, params, static, sensing_range)
     return _sail(scene, params, static, record, max_lanes)
-
-
-def dwa_candidates(
-    obstacles: Any,
-    state: Any,
-    goal: Any,
-    *,
-    params: DwaParams | None = None,
-    static: DwaStatic | None = None,
-) -> DwaCandidates:
-    """Open up one decision: what each command of the window leads to and how it scores.
-
-    Args:
-      obstacles: float[K, 2], centres (m).
-      state: float[5], x (m), y (m), psi (rad), v (m/s), w (rad/s).
-      goal: float[2] (m). Coordinates stay below 200 km, as of `navigate_dwa`.
-      params: defaults to Tan's Table 1; scalars.
-      static: choices of method.
-
-    Raises:
-      BadTypeError, BadInputError: as `navigate_dwa`.
-    """
-    params = DwaParams() if params is None else params
-    static = DwaStatic() if static is None else static
-    check_dwa(params, static)
-    points = float_array("obstacles", obstacles, (None, 2))
-    now = float_array("state", state, (5,))
-    target = float_array("goal", goal, (2,))
-    for name, point in (("state", now[:2]), ("goal", target)):
-        refuse_remote(name, point[None])
-    motion = window.Motion(jnp.asarray(now[:, None], jnp.float32))
-    centres = jnp.asarray(padded(points[None])[0])[:, :, None]
-    found, paths, (row, column, any_admissible), command = _open_up(
-        params, static, motion, centres, jnp.asarray(target[:, None], jnp.float32)
-    )
-    return DwaCandidates(
-        v=np.asarray(found.v[:, 0]),
-        w=np.asarray(found.w[:, 0]),
-        end=np.stack([found.end_x[..., 0], found.end_y[..., 0]], -1),
-        paths=np.asarray(paths[..., 0, :]),
-        clearance=np.asarray(found.clearance[..., 0]),
-        admissible=np.asarray(found.admissible[..., 0]),
-        score=np.asarray(found.score[..., 0]),
-        chosen=(int(row[0]), int(column[0])) if bool(any_admissible[0]) else None,
-        command=(float(command[0][0]), float(command[1][0])),
-    )
-
-
-@partial(jax.jit, static_argnames="static")
-def _open_up(
-    params: DwaParams,
-    static: DwaStatic,
-    motion: window.Motion,
-    obstacles: jax.Array,
-    goal: jax.Array,
-) -> tuple[candidates.Candidates, jax.Array, candidates.Choice, candidates.Command]:
-    found = candidates.candidates(params, static, motion, obstacles, goal)
-    paths = window.predicted_paths(params, static, motion)
-    command = candidates.decide(params, static, motion, obstacles, goal)
-    return found, paths, candidates.choose(found), command
 
 
 def _sail(
@@ -277,7 +189,7 @@ def _run(
     jobs: Jobs, params: DwaParams, count: jax.Array, *, static: DwaStatic, width: int
 ) -> tuple[Outcome, lanes.Usage]:
     return lanes.run(
-        episodes.program(jobs, params, static),
+        episodes.program(jobs, split(params, static)),
         count,
         capacity=jobs.start.shape[0],
         lanes=width,
@@ -292,7 +204,7 @@ def _record(
 ) -> tuple[Outcome, lanes.Usage, jax.Array]:
     rows = jobs.start.shape[0]
     outcome, seen = lanes.record(
-        episodes.program(jobs, params, static),
+        episodes.program(jobs, split(params, static)),
         jnp.arange(rows, dtype=jnp.int32),
         static.max_steps,
         episodes.observe,
