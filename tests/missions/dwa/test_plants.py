@@ -1,6 +1,8 @@
 """How a vessel moves in a control period, chosen by name or a function of the user's own."""
 
+import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import jax.numpy as jnp
@@ -9,6 +11,8 @@ import pytest
 from navigate_episodes import PARAMS, STATIC, B, assert_same, sail, waters
 
 import usvjax as uj
+from usvjax.mission import Prepared
+from usvjax.missions.dwa.mission import DwaWorkload
 from usvjax.missions.dwa.run import NavigateResult
 from usvkernels.vessel import PLANTS, unicycle_step
 
@@ -160,3 +164,29 @@ def test_what_is_no_plant(plant: Callable[..., Any], error: type[Exception], mes
     with pytest.raises(error, match=rf"static\.plant: .*{message}") as caught:
         sailed(plant)
     assert "\n" not in str(caught.value)
+
+
+def prepared(static: dict[str, Any]) -> Prepared:
+    return DwaWorkload().prepare({"maps": {}, "params": {}, "static": static}, Path(), "a.toml")
+
+
+def test_a_study_names_its_plant() -> None:
+    found = prepared({"plant": "heading_first"})
+    assert found.payload.static.plant == "heading_first"
+    assert json.loads(json.dumps(found.settings))["static"]["plant"] == "heading_first"
+    assert prepared({}).settings["static"]["plant"] == "unicycle"
+
+
+@pytest.mark.parametrize(
+    ("static", "error", "message"),
+    [
+        ({"plant": "unicyle"}, uj.BadInputError, "static.plant: got 'unicyle'; did you mean 'uni"),
+        ({"plant": True}, uj.BadTypeError, "'plant' must be a string, got True"),
+        ({"heading_first": True}, uj.BadInputError, "unknown key 'heading_first'"),
+    ],
+)
+def test_a_study_knows_plants_by_name_only(
+    static: dict[str, Any], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=rf"a\.toml: .*{message}"):
+        prepared(static)
