@@ -284,9 +284,17 @@ def test_a_run_gives_its_figures(run):
     assert all(Image.open(path).size[0] > 1000 for path in written)
 
 
-def test_a_run_of_routes_has_no_film(run, capsys):
-    assert main(["animate", str(run)]) == 2
-    assert "is of kind 'route'; only 'dwa' can be replayed" in capsys.readouterr().err
+def test_a_run_of_routes_has_a_film_and_a_track(run, tmp_path):
+    folder = ["--folder", str(run.parent.parent)]
+    gif, track = tmp_path / "route.gif", tmp_path / "route.csv"
+    assert main(["animate", str(run), *folder, "--max-frames", "3", "--out", str(gif)]) == 0
+    with Image.open(gif) as film:
+        assert film.n_frames == 3
+    assert main(["export", str(run), *folder, "--out", str(track)]) == 0
+    rows = pl.read_csv(track)
+    assert rows.columns == ["job", "distance_m", "vessel", "x_m", "y_m"]
+    sailed = np.hypot(rows["x_m"].diff()[1:], rows["y_m"].diff()[1:]).sum()
+    assert rows["distance_m"][-1] == pytest.approx(sailed)
 
 
 def test_the_tables_of_a_run_fit_80_columns(run):
