@@ -8,8 +8,8 @@ import jax
 import numpy as np
 
 from usvjax.errors import BadInputError
+from usvjax.memory import check_memory
 from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, sized
-from usvjax.search.inputs import check_memory
 from usvkernels.paths import arcs
 from usvkernels.paths.turning import STRAIGHT
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from usvjax.checks import positive, whole_number
 from usvjax.errors import BadInputError
+from usvjax.memory import check_memory
 from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
 from usvjax.paths.inputs import Frame, Paths, path_frame, path_rows, scale
 from usvjax.paths.points import MOST_SAMPLES
 from usvjax.paths.water import check_on_water
-from usvjax.search.inputs import check_memory
 from usvkernels.paths import bspline as spline_kernel
 from usvkernels.paths import smoothing
 from usvkernels.paths.charts import Charts

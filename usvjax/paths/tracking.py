@@ -11,10 +11,10 @@ import numpy as np
 
 from usvjax.checks import float_array, positive
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.memory import check_memory
 from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
 from usvjax.paths.inputs import EDGE, Frame, Paths, check_on_map, path_frame, path_rows
 from usvjax.paths.points import polyline_pieces, sample_pieces, sample_room, without_repeats
-from usvjax.search.inputs import check_memory
 from usvkernels.paths import tracking as kernel
 from usvkernels.paths.charts import Charts
 from usvkernels.paths.tracking import TrackParams

@@ -7,10 +7,10 @@ import numpy as np
 
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.errors import BadInputError
+from usvjax.memory import check_memory
 from usvjax.paths.blocks import QUICKLY_COMPILED
 from usvjax.planners.inputs import Defaults, Request
 from usvjax.planners.tracks import Tracks, tracks_of_moves
-from usvjax.search.inputs import check_memory
 from usvkernels.planners.aco import AcoParams, AcoPlans, plan
 from usvkernels.planners.ants import CHUNK, AcoQueries, AcoStatic
 

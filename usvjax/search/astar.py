@@ -10,8 +10,9 @@ import numpy as np
 from usvjax.checks import not_negative, one_of, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.errors import BadInputError
+from usvjax.memory import check_memory
 from usvjax.search import sweeping
-from usvjax.search.inputs import SearchScene, check_memory, check_options, search_scene
+from usvjax.search.inputs import SearchScene, check_options, search_scene
 from usvjax.search.paths import Paths, check_paths, trace, turning_of
 from usvkernels.lanes import LEAST_LANES
 from usvkernels.search import astar_costs, astar_lanes, pqueue

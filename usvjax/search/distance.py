@@ -9,7 +9,8 @@ import numpy as np
 from usvjax.checks import one_of
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.search.inputs import check_memory, check_options, search_maps
+from usvjax.memory import check_memory
+from usvjax.search.inputs import check_options, search_maps
 from usvjax.search.sweeping import (
     MOST_LANES,
     capacity_for,

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from usvjax.search.inputs import check_memory
+from usvjax.memory import check_memory
 from usvkernels.search.astar import NO_HEADING
 from usvkernels.search.astar_costs import DIRECTIONS, AstarStatic
 

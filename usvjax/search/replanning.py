@@ -9,8 +9,9 @@ import numpy as np
 
 from usvjax.checks import whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.memory import check_memory
 from usvjax.paths.blocks import bucket
-from usvjax.search.inputs import SearchScene, check_memory, search_scene
+from usvjax.search.inputs import SearchScene, search_scene
 from usvjax.search.replan_inputs import (
     check_method,
     check_sizes,

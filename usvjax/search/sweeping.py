@@ -8,7 +8,8 @@ import jax
 import numpy as np
 
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
-from usvjax.search.inputs import SearchScene, check_memory
+from usvjax.memory import check_memory
+from usvjax.search.inputs import SearchScene
 from usvjax.search.paths import check_paths
 from usvkernels.search.steps import SMALL_UNITS, UNITS, Units, cells, counts, manhattan, octile
 from usvkernels.search.sweep import Sweep, choose_block

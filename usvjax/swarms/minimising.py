@@ -12,7 +12,7 @@ import numpy as np
 from usvjax.checks import one_of, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.keys import as_key
-from usvjax.search.inputs import check_memory
+from usvjax.memory import check_memory
 from usvjax.swarms.algorithms import ALGORITHMS, Params, Static, checked_params, checked_static
 from usvjax.swarms.objective import checked_bounds, checked_objective
 from usvjax.swarms.precision import precision

@@ -12,7 +12,7 @@ from usvjax.checks import one_of, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
 from usvjax.errors import BadInputError
 from usvjax.keys import as_key, first_run
-from usvjax.search.inputs import check_memory
+from usvjax.memory import check_memory
 from usvjax.tours import exact
 from usvjax.tours.algorithms import (
     ALGORITHMS,

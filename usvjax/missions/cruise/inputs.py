@@ -9,7 +9,8 @@ import numpy as np
 from usvjax.checks import fraction, one_of, positive, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
-from usvjax.search.inputs import check_memory, search_maps
+from usvjax.memory import check_memory
+from usvjax.search.inputs import search_maps
 from usvjax.search.replan_inputs import check_method, clipped_window
 from usvkernels.cruise.flips import BITS
 from usvkernels.cruise.sailing import SCOPES

@@ -7,10 +7,10 @@ import jax
 import numpy as np
 
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.memory import check_memory
 from usvjax.missions.cruise.inputs import Mission
 from usvjax.missions.cruise.voyages import Voyages, joined_moves, voyages_of
 from usvjax.paths.blocks import bucket
-from usvjax.search.inputs import check_memory
 from usvkernels.cruise import lanes as cruise_lanes
 from usvkernels.cruise.sailing import Cruises, CruiseStatic
 from usvkernels.lanes import LEAST_LANES
