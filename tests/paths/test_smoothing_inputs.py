@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import usvjax as uj
-from usvjax.paths import blocks as path_blocks
+from usvjax import batches
 from usvjax.paths import tracking as path_tracking
 from usvjax.paths.metrics import path_metrics
 from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
@@ -33,7 +33,7 @@ def _no_compute(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise ComputeError
 
-    monkeypatch.setattr(path_blocks, "share_out", refuse)
+    monkeypatch.setattr(batches, "share_out", refuse)
 
 
 def call(function: Callable[..., Any], **changes: Any) -> None:
@@ -209,7 +209,7 @@ def test_more_points_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_clearance_of_more_points_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(path_blocks, "share_out", lambda work, items, devices: [NO_MEASURES])
+    monkeypatch.setattr(batches, "share_out", lambda work, items, devices: [NO_MEASURES])
     monkeypatch.setattr("usvjax.memory.free_memory", lambda: 8000)
     said = r"paths: clearance at points 0\.5 m apart: 2 x 64 samples needs 8\.0 KiB"
     refused(path_metrics, BadInput, said)

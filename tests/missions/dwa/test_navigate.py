@@ -300,7 +300,11 @@ def test_lanes_and_devices_change_no_bit(tmp_path: Path) -> None:
     subprocess.run(
         [sys.executable, "-c", command, str(tmp_path / "two.npz")],
         check=True,
-        env={**os.environ, "JAX_NUM_CPU_DEVICES": "2", "PYTHONPATH": str(here)},
+        env={
+            **os.environ,
+            "JAX_NUM_CPU_DEVICES": "2",
+            "PYTHONPATH": os.pathsep.join([str(here), *sys.path]),
+        },
         cwd=here.parent,
     )
     one = one_device("improved", 256)

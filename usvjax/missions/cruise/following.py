@@ -7,8 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.batches import bucket, few_sizes, filled, most_rows
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.missions.cruise.inputs import Mission
-from usvjax.paths.blocks import QUICKLY_COMPILED, SIZES, bucket, in_blocks
 from usvkernels.cruise import following
 
 MOST_CELLS = 1 << 24  # of the maps in one call
@@ -75,27 +76,27 @@ def follow_paths(mission: Mission, rows: np.ndarray, seeds: np.ndarray, orders: 
     """
     height, width = mission.shape
     room = bucket(max(orders.path.shape[1], LEAST_STEPS))
-    padded = np.minimum(np.arange(room), orders.path.shape[1] - 1)
-    path = (orders.path[..., 1] * width + orders.path[..., 0])[:, padded].astype(np.int32)
+    path = (orders.path[..., 1] * width + orders.path[..., 0]).astype(np.int32)
+    path = filled(path, room, axis=1)
     stations = mission.stations @ np.array([1, width], np.int32)
-    most = max((n for n in SIZES if n * height * width <= MOST_CELLS), default=1)
 
-    def work(some: np.ndarray) -> tuple[jax.Array, ...]:
-        given = following.Orders(
-            path=path[some].T,
-            length=orders.length[some],
-            proven=orders.proven[some],
-            stations=stations[rows[some]].T,
-            seed=seeds[rows[some]].T,
-            rate=mission.rate[rows[some]],
-            left=orders.left[some],
-            max_wait=jax.device_put(np.int32(mission.max_wait)),
-        )
-        vessels = (orders.step[some], orders.waited[some], orders.drawn[some])
+    def work(some: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:
+        given = {
+            "path": path[some].T,
+            "length": orders.length[some],
+            "proven": orders.proven[some],
+            "stations": stations[rows[some]].T,
+            "seed": seeds[rows[some]].T,
+            "rate": mission.rate[rows[some]],
+            "left": orders.left[some],
+            "max_wait": np.int32(mission.max_wait),
+        }
+        fleet = (orders.truth, orders.known, orders.step, orders.waited, orders.drawn)
+        given, fleet = jax.device_put((given, tuple(a[some] for a in fleet)), device)
         how = (mission.scope, mission.window, mission.corner_cutting)
-        return _follow(given, orders.truth[some], orders.known[some], *vessels, *how)
+        return _follow(following.Orders(**given), *fleet, *how)
 
-    return Sailed(*in_blocks(work, len(rows), most))
+    return Sailed(*few_sizes(len(rows), most_rows(height * width, MOST_CELLS)).arrays(work))
 
 
 @partial(jax.jit, static_argnums=(6, 7, 8), compiler_options=QUICKLY_COMPILED)
