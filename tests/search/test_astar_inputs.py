@@ -211,7 +211,7 @@ def test_sweeps_and_paths_that_memory_cannot_hold(monkeypatch: pytest.MonkeyPatc
         table.paths(scene)
     none = np.zeros((0, 9, 2), np.int32)
     block = astar_module._Block(
-        *np.zeros((3, 0), np.int32), astar_module.Paths(none, *np.zeros((3, 0)))
+        *np.zeros((3, 0), np.int32), astar_module.TracedPaths(none, *np.zeros((3, 0)))
     )
     with pytest.raises(BadInput, match="starts: 3 paths of up to 9 cells needs"):
         astar_module._collected(scene, [block], 0.0)

@@ -14,10 +14,10 @@ from usvjax.errors import BadInputError
 from usvjax.memory import check_memory
 from usvjax.search import sweeping
 from usvjax.search.inputs import SearchScene, check_options, search_scene
-from usvjax.search.paths import Paths, check_paths, trace, turning_of
+from usvjax.search.paths import TracedPaths, check_paths, trace, turning_of
 from usvkernels.lanes import LEAST_LANES
 from usvkernels.search import astar_costs, astar_lanes, pqueue
-from usvkernels.search.astar import Queries
+from usvkernels.search.astar import AstarQueries
 from usvkernels.search.astar_costs import HEURISTICS, STRAIGHT, AstarStatic
 from usvkernels.status import Status
 
@@ -176,7 +176,7 @@ class _Operands:
 
 
 @dataclass(frozen=True)
-class _Plan:
+class _Calls:
     """How queries are shared out."""
 
     batch: Batch  # the queries that are searched
@@ -242,7 +242,7 @@ def _budget(static: AstarStatic, max_expansions: int | None) -> int:
     return min(bound if max_expansions is None else max_expansions, 2**31 - 1)
 
 
-def _plan(scene: SearchScene, static: AstarStatic, max_lanes: int) -> _Plan:
+def _plan(scene: SearchScene, static: AstarStatic, max_lanes: int) -> _Calls:
     """Sizes of the calls; refuses what does not fit into memory."""
     rows = np.flatnonzero(scene.open_ends)
     devices = chosen_devices()
@@ -257,11 +257,11 @@ def _plan(scene: SearchScene, static: AstarStatic, max_lanes: int) -> _Plan:
     check_memory(needed, what)
     if size >= 2**31:
         raise BadInputError(f"{what} has {size:,} states; wanted less than 2^31")
-    return _Plan(Batch(blocks, capacity, devices), lanes, size)
+    return _Calls(Batch(blocks, capacity, devices), lanes, size)
 
 
 def _search(
-    scene: SearchScene, static: AstarStatic, operands: _Operands, plan: _Plan, turn_cost: float
+    scene: SearchScene, static: AstarStatic, operands: _Operands, plan: _Calls, turn_cost: float
 ) -> AstarResult:
     capacity = plan.batch.size
     shared = astar_costs.walled(static, scene.blocked, plan.size) if scene.shared else None
@@ -281,7 +281,7 @@ def _search(
             "count": np.int32(count),
             "go": np.bool_(True),
         }
-        queries = Queries(**jax.device_put(arrays, device))
+        queries = AstarQueries(**jax.device_put(arrays, device))
         found = _run(queries, static, plan.lanes)
         status, expanded, end = (
             np.asarray(leaf)[:count] for leaf in (found.status, found.expanded, found.end)
@@ -295,7 +295,7 @@ def _search(
 
 
 @partial(jax.jit, static_argnames=("static", "lanes"), compiler_options=COMPILER_OPTIONS)
-def _run(queries: Queries, static: AstarStatic, lanes: int) -> astar_lanes.Found:
+def _run(queries: AstarQueries, static: AstarStatic, lanes: int) -> astar_lanes.Found:
     return astar_lanes.search(static, queries, lanes, CHUNK)
 
 
@@ -306,7 +306,7 @@ class _Block:
     rows: np.ndarray
     status: np.ndarray
     expanded: np.ndarray
-    paths: Paths  # of those that arrived
+    paths: TracedPaths  # of those that arrived
 
 
 def _collected(scene: SearchScene, done: list[_Block], turn_cost: float) -> AstarResult:

@@ -13,7 +13,7 @@ from usvjax.search.inputs import SearchScene
 from usvjax.search.paths import check_paths
 from usvkernels.search.steps import SMALL_UNITS, UNITS, Units, cells, counts, manhattan, octile
 from usvkernels.search.sweep import Sweep, choose_block
-from usvkernels.search.sweep_search import Queries, Routes, solve
+from usvkernels.search.sweep_search import Routes, SweepQueries, solve
 from usvkernels.status import Status
 
 MOST_LANES = 64
@@ -214,7 +214,7 @@ def _solve_block(
         grouped(scene.goals[rows]),
         grouped(np.ones(count, bool)),
     )
-    queries = Queries(*jax.device_put(arrays, device))
+    queries = SweepQueries(*jax.device_put(arrays, device))
     groups = np.int32(-(-count // lanes))
     routes = _solve(sweep, path_cells, queries, groups, np.int32(leave))
     return jax.tree.map(lambda a: np.asarray(a).reshape(size, *a.shape[2:])[:count], routes)

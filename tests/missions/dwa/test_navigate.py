@@ -297,14 +297,11 @@ def test_lanes_and_devices_change_no_bit(tmp_path: Path) -> None:
         "np.savez(sys.argv[1], **{name: getattr(r, name) for name in t.NUMBERS})\n"
     )
     here = Path(__file__).parent
+    folders = os.pathsep.join([str(here), *sys.path])
     subprocess.run(
         [sys.executable, "-c", command, str(tmp_path / "two.npz")],
         check=True,
-        env={
-            **os.environ,
-            "JAX_NUM_CPU_DEVICES": "2",
-            "PYTHONPATH": os.pathsep.join([str(here), *sys.path]),
-        },
+        env={**os.environ, "JAX_NUM_CPU_DEVICES": "2", "PYTHONPATH": folders},
         cwd=here.parent,
     )
     one = one_device("improved", 256)
