@@ -1,4 +1,4 @@
-"""Occupancy grids: random maps, obstacle inflation, cells and points, nearest obstacles.
+"""Occupancy grids: random maps, obstacle inflation, points spread apart, the shoreline.
 
 A grid is ``blocked[y, x]`` (True = not navigable) with y growing with the row index. Cell
 (x, y) has its centre at ``origin + cell_size * (x + 0.5, y + 0.5)``. Leading dimensions are
@@ -107,64 +107,6 @@ def expand_about_centre(points: ArrayLike, centre: ArrayLike, expansion: ArrayLi
     middle = jnp.asarray(centre)[..., None, :]
     scale = 1.0 + jnp.asarray(expansion)[..., None, None]
     return middle + scale * (jnp.asarray(points) - middle)
-
-
-def cell_to_point(cells: ArrayLike, origin: ArrayLike, cell_size: ArrayLike) -> jax.Array:
-    """Centres of cells.
-
-    Args:
-        cells: (x, y) cell indices, int[..., 2].
-        origin: (x, y) of the corner of cell (0, 0), float[2], m.
-        cell_size: Edge of a cell, m.
-
-    Returns:
-        float[..., 2], m.
-    """
-    return jnp.asarray(origin) + jnp.asarray(cell_size) * (jnp.asarray(cells) + 0.5)
-
-
-def point_to_cell(points: ArrayLike, origin: ArrayLike, cell_size: ArrayLike) -> jax.Array:
-    """Cells that contain points; a point on an edge belongs to the cell of larger index.
-
-    Args:
-        points: (x, y), float[..., 2], m.
-        origin: (x, y) of the corner of cell (0, 0), float[2], m.
-        cell_size: Edge of a cell, m.
-
-    Returns:
-        (x, y) indices, int32[..., 2]; outside the map they are negative or too large.
-    """
-    offset = jnp.asarray(points) - jnp.asarray(origin)
-    return jnp.floor(offset / jnp.asarray(cell_size)).astype(jnp.int32)
-
-
-def nearest_obstacles(
-    points: jax.Array, valid: jax.Array, position: jax.Array, k: int
-) -> tuple[jax.Array, jax.Array]:
-    """Pick the k obstacles nearest to a position, nearest first.
-
-    Args:
-        points: Obstacle centres, float[..., K, 2], m.
-        valid: bool[..., K]; rows that are False are padding and never picked.
-        position: float[..., 2], m.
-        k: How many to pick (static); may exceed K.
-
-    Returns:
-        The obstacles, float[..., k, 2], and their mask, bool[..., k]. With fewer than k valid
-        obstacles the mask ends in False and those rows hold zeros. At equal distance the row
-        of lower index comes first.
-    """
-    short = max(k - points.shape[-2], 0)
-    if short:
-        batch = [(0, 0)] * (points.ndim - 2)
-        points = jnp.pad(points, [*batch, (0, short), (0, 0)])
-        valid = jnp.pad(valid, [*batch, (0, short)])
-    offset = points - position[..., None, :]
-    distance = jnp.where(valid, jnp.sum(offset * offset, axis=-1), jnp.inf)
-    _, chosen = lax.top_k(-distance, k)
-    mask = jnp.take_along_axis(valid, chosen, axis=-1)
-    picked = jnp.take_along_axis(points, chosen[..., None], axis=-2)
-    return jnp.where(mask[..., None], picked, 0.0), mask
 
 
 def shoreline(blocked: jax.Array) -> jax.Array:

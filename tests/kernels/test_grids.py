@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 from scipy import ndimage
 
 from usvkernels import grids
@@ -24,7 +23,6 @@ MAPS = st.floats(0.0, 1.0).flatmap(
 draw = jax.jit(grids.random_blocked, static_argnums=(1, 2))
 inflate = jax.jit(grids.inflate, static_argnums=2)
 shoreline = jax.jit(grids.shoreline)
-nearest = jax.jit(grids.nearest_obstacles, static_argnums=3)
 
 
 def disc(radius: float) -> np.ndarray:
@@ -141,58 +139,6 @@ def test_expansion_is_undone_by_its_inverse(seed: int) -> None:
     np.testing.assert_allclose(scale, before * (1 + expansion[:, None]), rtol=1e-4)
     back = grids.expand_about_centre(grown, centres, -expansion / (1 + expansion))
     np.testing.assert_allclose(back, points, atol=1e-4)
-
-
-# --- cells and points ------------------------------------------------------------------------
-
-
-@settings(max_examples=50, deadline=None)
-@given(
-    arrays(np.int32, (5, 2), elements=st.integers(-1000, 1000)),
-    st.floats(0.125, 500, width=32),
-    st.tuples(*[st.floats(-1000, 1000, width=32)] * 2),
-)
-def test_the_centre_of_a_cell_lies_in_that_cell(
-    cells: np.ndarray, cell_size: float, origin: tuple[float, float]
-) -> None:
-    points = grids.cell_to_point(cells, np.float32(origin), np.float32(cell_size))
-    back = grids.point_to_cell(points, np.float32(origin), np.float32(cell_size))
-    np.testing.assert_array_equal(back, cells)
-    expected = np.asarray(origin) + cell_size * (cells + 0.5)
-    np.testing.assert_allclose(points, expected, rtol=1e-5, atol=1e-3)
-
-
-def test_points_outside_the_map_have_cells_outside() -> None:
-    cells = grids.point_to_cell(np.array([[-0.1, 5.0], [2.0, 3.999]]), np.zeros(2), 2.0)
-    np.testing.assert_array_equal(cells, [[-1, 2], [1, 1]])
-
-
-# --- nearest obstacles -----------------------------------------------------------------------
-
-
-@settings(max_examples=40, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.sampled_from([1, 4, 12, 15]))
-def test_nearest_obstacles_against_sorting(seed: int, k: int) -> None:
-    rng = np.random.default_rng(seed)
-    points = rng.uniform(-50, 50, (3, 12, 2)).astype(np.float32)
-    valid = rng.random((3, 12)) < rng.random()
-    points[~valid] = np.nan  # padding may hold anything
-    position = rng.uniform(-50, 50, (3, 2)).astype(np.float32)
-    chosen, mask = map(np.asarray, nearest(points, valid, position, k))
-    assert chosen.shape == (3, k, 2)
-    for lane in range(3):
-        there = points[lane][valid[lane]]
-        order = np.argsort(np.linalg.norm(there - position[lane], axis=1))[:k]
-        np.testing.assert_array_equal(mask[lane], np.arange(k) < len(order))
-        np.testing.assert_array_equal(chosen[lane][: len(order)], there[order])
-        assert not chosen[lane][len(order) :].any()
-
-
-def test_equally_near_obstacles_keep_their_order() -> None:
-    points = jnp.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.5, 0.0]])
-    chosen, mask = grids.nearest_obstacles(points, jnp.ones(4, bool), jnp.zeros(2), 3)
-    np.testing.assert_array_equal(chosen, [[0.5, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    assert np.asarray(mask).all()
 
 
 # --- shoreline -------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from functools import partial
 from itertools import pairwise
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +13,7 @@ from path_cases import centre, packed, routes, sees
 from scipy.interpolate import BSpline
 
 from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
-from usvkernels.paths.charts import charts_of
+from usvkernels.paths.charts import Charts
 from usvkernels.paths.smoothing import line_of_sight
 
 
@@ -20,7 +21,8 @@ from usvkernels.paths.smoothing import line_of_sight
 def sight(
     blocked: jax.Array, starts: jax.Array, ends: jax.Array, *, corner_cutting: bool = False
 ) -> jax.Array:
-    charts = charts_of(blocked[None], np.zeros(len(starts), np.int32))
+    first = jnp.zeros(len(starts), jnp.int32)  # all on one map
+    charts = Charts(jnp.ravel(blocked), first, *map(jnp.int32, blocked.shape))
     return line_of_sight(charts, starts, ends, corner_cutting=corner_cutting)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import usvjax as uj
-from usvjax.paths import blocks as path_blocks
+from usvjax import batches
 from usvjax.paths import tracking as path_tracking
 from usvjax.paths.metrics import path_metrics
 from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
@@ -33,7 +33,7 @@ def _no_compute(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise ComputeError
 
-    monkeypatch.setattr(path_blocks, "share_out", refuse)
+    monkeypatch.setattr(batches, "share_out", refuse)
 
 
 def call(function: Callable[..., Any], **changes: Any) -> None:
@@ -193,7 +193,7 @@ def test_corner_cutting_is_true_or_false(function: Callable[..., Any], value: An
 
 
 def test_more_points_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 50_000)
+    monkeypatch.setattr("usvjax.memory.free_memory", lambda: 50_000)
     refused(bspline, BadInput, r"samples: got 1,000; 2 x 1,000 points needs", samples=1000)
     refused(redensify, BadInput, r"unit: got 0\.001 m; 2 x \d+ points needs", unit=0.001)
     refused(bspline, BadInput, "samples: got 1,000,000,000,000; wanted at most", samples=10**12)
@@ -201,7 +201,7 @@ def test_more_points_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     refused(track_paths, BadInput, said, spacing=0.001)
     slow = TrackParams(speed=1e-3)
     said = r"params: speed 0\.001 m/s and dt 0\.05 s, .* make .* control periods; tracking 2 paths"
-    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 2**20)
+    monkeypatch.setattr("usvjax.memory.free_memory", lambda: 2**20)
     smooth = {"paths": METRES, "curvature": np.zeros((2, 3)), "params": slow}
     refused(track_paths, BadInput, said, **smooth)
     slow = TrackParams(speed=1e-6)
@@ -209,8 +209,8 @@ def test_more_points_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_clearance_of_more_points_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(path_blocks, "share_out", lambda work, items, devices: [NO_MEASURES])
-    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 8000)
+    monkeypatch.setattr(batches, "share_out", lambda work, items, devices: [NO_MEASURES])
+    monkeypatch.setattr("usvjax.memory.free_memory", lambda: 8000)
     said = r"paths: clearance at points 0\.5 m apart: 2 x 64 samples needs 8\.0 KiB"
     refused(path_metrics, BadInput, said)
 

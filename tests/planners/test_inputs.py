@@ -184,7 +184,7 @@ def test_a_map_that_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
         message = f"blocked: got {MOST_SIDE + 1} x 1 cells; wanted at most"
         with pytest.raises(BadInput, match=f"^{message}"):
             plan_paths(long, [0, 0], [9, 0], 0, algorithm=algorithm)
-    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 10**6)
+    monkeypatch.setattr("usvjax.memory.free_memory", lambda: 10**6)
     with pytest.raises(BadInput, match=r"^blocked: .* ants at once on 600 x 600 cells needs"):
         plan_paths(np.zeros((600, 600), bool), [0, 0], [9, 0], 0)
     with pytest.raises(BadInput, match=r"^blocked: 1 plans at once on 600 x 600 cells needs"):

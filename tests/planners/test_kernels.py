@@ -12,7 +12,7 @@ import pytest
 from grid_oracle import check_path
 from scipy.stats import chisquare
 
-from usvjax.paths.blocks import QUICKLY_COMPILED
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.planners.rows import _moves
 from usvkernels.draws import seeds
 from usvkernels.planners import aco, ants, cmpso, ga, rows

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from usvjax import memory
 from usvjax.errors import BadInputError as BadInput
 from usvjax.errors import BadTypeError as BadType
 from usvjax.maps import GridMap
-from usvjax.search import inputs as search_inputs
 from usvjax.search import sweeping
-from usvjax.search.inputs import check_memory, search_scene
+from usvjax.search.inputs import search_scene
 
 # The module: `usvjax.search.astar` may name the function that it holds.
 astar_module = importlib.import_module("usvjax.search.astar")
@@ -192,7 +192,7 @@ def test_what_sweeps_cannot_do(options: dict[str, Any]) -> None:
 
 
 def test_a_map_too_large_for_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search_inputs, "free_memory", lambda: 3 * 2**20)
+    monkeypatch.setattr(memory, "free_memory", lambda: 3 * 2**20)
     blocked = np.zeros((400, 500), bool)
     message = (
         r"^blocked: a search on 500 x 400 cells needs \d+\.\d MiB of memory; "
@@ -206,27 +206,18 @@ def test_sweeps_and_paths_that_memory_cannot_hold(monkeypatch: pytest.MonkeyPatc
     table = sweeping._Table.empty(3)
     table.path_cells[:] = 9
     assert table.paths(scene).path.shape == (3, 9, 2)
-    monkeypatch.setattr(search_inputs, "free_memory", lambda: 200)
+    monkeypatch.setattr(memory, "free_memory", lambda: 200)
     with pytest.raises(BadInput, match="starts: 3 paths of up to 9 cells needs 216 bytes"):
         table.paths(scene)
     none = np.zeros((0, 9, 2), np.int32)
     block = astar_module._Block(
-        *np.zeros((3, 0), np.int32), astar_module.Paths(none, *np.zeros((3, 0)))
+        *np.zeros((3, 0), np.int32), astar_module.TracedPaths(none, *np.zeros((3, 0)))
     )
     with pytest.raises(BadInput, match="starts: 3 paths of up to 9 cells needs"):
         astar_module._collected(scene, [block], 0.0)
     said = "^blocked: searches of 3 queries on 500 x 400 cells needs .* MiB"
     with pytest.raises(BadInput, match=said):
         sweeping.sweep_paths(scene)
-
-
-def test_memory_is_compared_and_read() -> None:
-    left = search_inputs.free_memory()
-    assert left is None or 2**20 < left < 2**50
-    check_memory(2**20, "a: trifle")
-    if left is not None:
-        with pytest.raises(BadInput, match=r"^a: monster needs .* GiB of memory; this machine has"):
-            check_memory(2**60, "a: monster")
 
 
 # --- what the checks return -------------------------------------------------------------------

@@ -175,6 +175,6 @@ def test_bad_input(change: dict[str, Any], error: type[Exception], message: str)
 
 
 def test_more_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 10_000)
+    monkeypatch.setattr("usvjax.memory.free_memory", lambda: 10_000)
     with pytest.raises(uj.BadInputError, match="1000 distance fields of 6 x 4 cells needs 187"):
         distance_field(FREE, np.zeros((1000, 2), int))

@@ -226,6 +226,6 @@ def test_maps_too_large_for_eq_17() -> None:
 
 
 def test_more_than_the_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("usvjax.search.inputs.free_memory", lambda: 2**12)
+    monkeypatch.setattr("usvjax.memory.free_memory", lambda: 2**12)
     message = r"^blocked: \d+ episodes at once on 6 x 5 cells needs .* has 4.0 KiB left"
     assert_refused(BadInputError, message)

@@ -126,7 +126,7 @@ def test_lengths_beyond_the_units_are_told() -> None:
     packed = pack_maps(serpentine(21, 41)[None], 1, 1)
     ends = np.array([[[0, 0]]], np.int32), np.array([[[20, 40]]], np.int32)
     live = np.ones((1, 1), bool)
-    queries = jax.tree.map(jnp.asarray, sweep_search.Queries(packed, *ends, live))
+    queries = jax.tree.map(jnp.asarray, sweep_search.SweepQueries(packed, *ends, live))
     routes = sweep_search.solve(sweep, 16, queries, np.int32(1), np.int32(0))
     assert int(routes.status[0, 0]) == Status.OUT_OF_BUDGET
 

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from usvjax import swarms, tours
+from usvjax import memory, swarms, tours
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.search import inputs
 from usvjax.swarms.ranges import RANGES
 from usvjax.tours import optimal_tour, solve_tour, tour_length
 from usvjax.tours.algorithms import ALGORITHMS
@@ -167,12 +166,12 @@ def test_bad_choices(algorithm: str, static: Any, error: type[Exception], messag
 def test_more_than_memory_holds(
     options: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(inputs, "free_memory", lambda: 2**34)
+    monkeypatch.setattr(memory, "free_memory", lambda: 2**34)
     refuse(BadInputError, f"^{message}", POINTS, **options)
 
 
 def test_more_problems_than_memory_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(inputs, "free_memory", lambda: 2**34)
+    monkeypatch.setattr(memory, "free_memory", lambda: 2**34)
     many = np.broadcast_to(POINTS, (10**8, 4, 2))
     refuse(BadInputError, "^points: 100000000 problems of 4 stations needs", many)
     tables = np.broadcast_to(TABLE, (10**8, 4, 4))

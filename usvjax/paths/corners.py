@@ -7,7 +7,8 @@ from math import ceil, pi
 import jax
 import numpy as np
 
-from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points, sized
+from usvjax.batches import bucket, few_sizes, filled, sized
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.paths.inputs import Frame
 from usvkernels.paths import turning
 from usvkernels.paths.charts import Charts
@@ -50,27 +51,24 @@ def turn_corners(
       frame: the maps.
       vessel: what sails.
     """
-    order = np.argsort(counts, kind="stable")  # alike in a block
     width = max(points.shape[1], 3)
-    points = padded_points(points, width)
+    points = filled(points, width, axis=1)
     samples = vessel.samples(frame.cell_size)
 
-    def work(places: np.ndarray) -> tuple[np.ndarray, ...]:
-        some = order[places]
+    def work(some: np.ndarray, _: int, device: jax.Device) -> tuple[np.ndarray, ...]:
         capacity = bucket(max(-(-int(counts[some].max()) // 2), 4), 4) * 2
-        local = padded_points(points[some], capacity)[:, :capacity].astype(np.float32)
-        charts = frame.charts(rows[some])
+        local = filled(points[some], capacity, axis=1)[:, :capacity].astype(np.float32)
+        charts = frame.charts(rows[some], device)
         radius, reach = (a[rows[some]].astype(np.float32) for a in (vessel.radius, vessel.reach))
         scale = np.array([frame.cell_size, vessel.margin], np.float32)
-        tests = np.int32(samples)
-        found = _smooth(charts, local, counts[some], radius, reach, scale, tests)
+        arrays = (local, counts[some], radius, reach, scale, np.int32(samples))
+        found = _smooth(charts, *jax.device_put(arrays, device))
         corners, pieces = width - 2, 3 * (width - 2) + 1
         sizes = (corners, corners, pieces, pieces, pieces, pieces)
-        return tuple(sized(np.asarray(a), n) for a, n in zip(found, sizes, strict=True))
+        return tuple(sized(np.asarray(a), n, axis=1) for a, n in zip(found, sizes, strict=True))
 
-    found = in_blocks(work, len(points), frame.most_rows)
-    back = np.argsort(order)
-    return tuple(a[back] for a in found)
+    order = np.argsort(counts, kind="stable")  # alike in a block
+    return few_sizes(len(points), frame.most_rows, order).arrays(work)
 
 
 @partial(jax.jit, compiler_options=QUICKLY_COMPILED)

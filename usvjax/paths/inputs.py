@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import Any
 
-import jax.numpy as jnp
+import jax
 import numpy as np
 
+from usvjax.batches import SIZES, bucket, most_rows
 from usvjax.checks import pair, positive
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
-from usvjax.paths.blocks import MOST_ROWS, SIZES, bucket
 from usvjax.search.inputs import search_maps
 from usvkernels.paths.charts import Charts
 
@@ -53,23 +53,23 @@ class Frame:
     def most_rows(self) -> int:
         """Paths that one device should work on at once, their maps counted."""
         if len(self.blocked) == 1:
-            return MOST_ROWS
-        cells = self.blocked[0].size
-        return max((n for n in SIZES if n * cells <= _MOST_CELLS), default=1)
+            return SIZES[-1]
+        return most_rows(self.blocked[0].size, _MOST_CELLS)
 
-    def charts(self, rows: np.ndarray) -> Charts:
-        """The maps of some rows, for the kernels."""
+    def charts(self, rows: np.ndarray, device: jax.Device) -> Charts:
+        """The maps of some rows, for the kernels, on a device."""
         which, maps = np.unique(self.layers(rows), return_inverse=True)
         cells = self.blocked[which].reshape(-1)
         padded = np.ones(bucket(max(cells.size, _LEAST_CELLS), 4), bool)
         padded[: cells.size] = cells
         height, width = self.blocked.shape[1:]
-        return Charts(
-            cells=jnp.asarray(padded),
-            first=jnp.asarray(maps * (height * width), jnp.int32),
-            height=jnp.int32(height),
-            width=jnp.int32(width),
-        )
+        arrays = {
+            "cells": padded,
+            "first": (maps * (height * width)).astype(np.int32),
+            "height": np.int32(height),
+            "width": np.int32(width),
+        }
+        return Charts(**jax.device_put(arrays, device))
 
     def layers(self, rows: np.ndarray) -> np.ndarray:
         """int32, the map of each of these rows."""

@@ -8,8 +8,9 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.batches import bucket, few_sizes, filled
 from usvjax.checks import not_negative, positive
-from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.paths.inputs import EDGE, Frame, check_on_map, path_frame, path_rows, scale
 from usvjax.paths.points import polyline_pieces, sample_pieces, sample_room, without_repeats
 from usvkernels.paths import path_metrics as kernel
@@ -115,16 +116,17 @@ def _measured(points: np.ndarray, counts: np.ndarray, tolerance: float) -> tuple
     capacity = bucket(max(points.shape[1], 16), 4)
     base = points[:, :1]
 
-    def work(rows: np.ndarray) -> tuple[jax.Array, ...]:
-        local = padded_points(points[rows] - base[rows], capacity).astype(np.float32)
-        return _measure(local, counts[rows], np.float32(tolerance))
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:
+        local = filled(points[rows] - base[rows], capacity, axis=1).astype(np.float32)
+        arrays = (local, counts[rows], np.float32(tolerance))
+        return _measure(*jax.device_put(arrays, device))
 
-    return in_blocks(work, len(points))
+    return few_sizes(len(points)).arrays(work)
 
 
 def _clearance(points: np.ndarray, counts: np.ndarray, frame: Frame, limit: float) -> np.ndarray:
     """float32[B], m."""
-    pieces = polyline_pieces(padded_points(points / frame.cell_size, 2))
+    pieces = polyline_pieces(filled(points / frame.cell_size, 2, axis=1))
     longest = float(pieces[2].sum(axis=1, dtype=np.float64).max()) * frame.cell_size
     step = STEP * frame.cell_size
     what = f"paths: clearance at points {step:g} m apart"
@@ -134,10 +136,11 @@ def _clearance(points: np.ndarray, counts: np.ndarray, frame: Frame, limit: floa
     # No cell of the map is farther off than this.
     reach = np.int32(ceil(min(limit / frame.cell_size, sum(frame.blocked.shape[1:]))))
 
-    def work(rows: np.ndarray) -> tuple[jax.Array]:
-        return (_least(frame.charts(rows), places[rows], number[rows], reach),)
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array]:
+        arrays = jax.device_put((places[rows], number[rows], reach), device)
+        return (_least(frame.charts(rows, device), *arrays),)
 
-    (found,) = in_blocks(work, len(points), frame.most_rows)
+    (found,) = few_sizes(len(points), frame.most_rows).arrays(work)
     clearance = found * np.float32(frame.cell_size)
     return np.where(clearance <= limit, clearance, np.float32(inf))
 

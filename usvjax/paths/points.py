@@ -7,9 +7,10 @@ from math import ceil
 import jax
 import numpy as np
 
+from usvjax.batches import bucket, few_sizes, sized
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.errors import BadInputError
-from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, sized
-from usvjax.search.inputs import check_memory
+from usvjax.memory import check_memory
 from usvkernels.paths import arcs
 from usvkernels.paths.turning import STRAIGHT
 
@@ -106,11 +107,11 @@ def sample_pieces(
     """
     width = bucket(max(pieces[1].shape[1], 16), 4)
 
-    def work(rows: np.ndarray) -> tuple[jax.Array, ...]:
-        some = tuple(sized(a[rows], width).astype(np.float32) for a in pieces)
-        return _sample(some, np.float32(spacing), capacity)
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:
+        some = tuple(sized(a[rows], width, axis=1).astype(np.float32) for a in pieces)
+        return _sample(*jax.device_put((some, np.float32(spacing)), device), capacity)
 
-    return in_blocks(work, len(pieces[0]))
+    return few_sizes(len(pieces[0])).arrays(work)
 
 
 @partial(jax.jit, static_argnums=2, compiler_options=QUICKLY_COMPILED)

@@ -7,13 +7,14 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.batches import bucket, few_sizes, filled
 from usvjax.checks import positive, whole_number
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.errors import BadInputError
-from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
+from usvjax.memory import check_memory
 from usvjax.paths.inputs import Frame, Paths, path_frame, path_rows, scale
 from usvjax.paths.points import MOST_SAMPLES
 from usvjax.paths.water import check_on_water
-from usvjax.search.inputs import check_memory
 from usvkernels.paths import bspline as spline_kernel
 from usvkernels.paths import smoothing
 from usvkernels.paths.charts import Charts
@@ -137,11 +138,12 @@ def redensify(
     check_memory(len(given) * capacity * _POINT_BYTES, what)
     base = points[:, :1]
 
-    def work(rows: np.ndarray) -> tuple[jax.Array, jax.Array]:
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, jax.Array]:
         local = (points[rows] - base[rows]).astype(np.float32)
-        return _redensify(local, given.counts[rows], np.float32(unit), capacity)
+        arrays = (local, given.counts[rows], np.float32(unit))
+        return _redensify(*jax.device_put(arrays, device), capacity)
 
-    dense, count = in_blocks(work, len(given))
+    dense, count = few_sizes(len(given)).arrays(work)
     dense = dense[:, : max(int(count.max()), 1)] + base
     # Where the path ends it ends exactly, whatever single precision made of it.
     last = np.maximum(count - 1, 0)[:, None]
@@ -185,14 +187,14 @@ def bspline(
     what = f"samples: got {samples:,}; {len(given)} x {samples:,} points"
     check_memory(len(given) * samples * _POINT_BYTES, what)
     cells = given.metres(size, corner)
-    points = padded_points(cells, max(4, bucket(cells.shape[1])))
+    points = filled(cells, max(4, bucket(cells.shape[1])), axis=1)
     base = points[:, :1]
 
-    def work(rows: np.ndarray) -> tuple[jax.Array, ...]:
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:
         local = (points[rows] - base[rows]).astype(np.float32)
-        return _spline(local, given.counts[rows], samples)
+        return _spline(*jax.device_put((local, given.counts[rows]), device), samples)
 
-    places, heading, curvature = in_blocks(work, len(given))
+    places, heading, curvature = few_sizes(len(given)).arrays(work)
     places = places + base
     places[:, -1] = points[:, -1]
     counts = np.where(given.counts > 0, samples, 0).astype(np.int32)
@@ -208,22 +210,18 @@ def _pruned(paths: Any, lengths: Any, blocked: Any, corner_cutting: bool, repeat
 
 def prune_cells(given: Paths, frame: Frame, corner_cutting: bool, repeat: bool) -> KeyPaths:
     """`shorten`, or `key_points` where `repeat`, of checked paths."""
+    width = given.points.shape[1]
+
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[np.ndarray, jax.Array]:
+        capacity = bucket(max(int(given.counts[rows].max()), 64), 4)
+        cells = filled(given.points[rows], capacity, axis=1)[:, :capacity]
+        arrays = jax.device_put((cells, given.counts[rows]), device)
+        index, count = _prune(frame.charts(rows, device), *arrays, repeat, corner_cutting)
+        return filled(np.asarray(index), width, axis=1)[:, :width], count
+
     # Long paths take longest; alike in a block, none waits for another.
     order = np.argsort(given.counts, kind="stable")
-
-    def work(places: np.ndarray) -> tuple[np.ndarray, jax.Array]:
-        rows = order[places]
-        capacity = bucket(max(int(given.counts[rows].max()), 64), 4)
-        cells = padded_points(given.points[rows], capacity)[:, :capacity]
-        charts = frame.charts(rows)
-        index, count = _prune(charts, cells, given.counts[rows], repeat, corner_cutting)
-        return padded_points(np.asarray(index), given.points.shape[1])[
-            :, : given.points.shape[1]
-        ], count
-
-    sorted_index, sorted_count = in_blocks(work, len(given), frame.most_rows)
-    index, count = np.empty_like(sorted_index), np.empty_like(sorted_count)
-    index[order], count[order] = sorted_index, sorted_count
+    index, count = few_sizes(len(given), frame.most_rows, order).arrays(work)
     index = index[:, : max(int(count.max()), 1)]
     path = np.take_along_axis(given.points, index[..., None], axis=1)
     return KeyPaths(path, count, index)

@@ -9,12 +9,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.batches import bucket, few_sizes, filled
 from usvjax.checks import float_array, positive
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.paths.blocks import QUICKLY_COMPILED, bucket, in_blocks, padded_points
+from usvjax.memory import check_memory
 from usvjax.paths.inputs import EDGE, Frame, Paths, check_on_map, path_frame, path_rows
 from usvjax.paths.points import polyline_pieces, sample_pieces, sample_room, without_repeats
-from usvjax.search.inputs import check_memory
 from usvkernels.paths import tracking as kernel
 from usvkernels.paths.charts import Charts
 from usvkernels.paths.tracking import TrackParams
@@ -116,7 +117,7 @@ def _curvature(value: Any, given: Paths) -> np.ndarray:
 
 def _along_segments(points: np.ndarray, counts: np.ndarray, spacing: float) -> Samples:
     points, distinct = without_repeats(points, counts)
-    pieces = polyline_pieces(padded_points(points, 2))
+    pieces = polyline_pieces(filled(points, 2, axis=1))
     longest = float(pieces[2].sum(axis=1, dtype=np.float64).max())
     room = sample_room(longest, spacing, len(points), f"spacing: {spacing:g} m")
     places, _, curvature, number = sample_pieces(pieces, spacing, room)
@@ -148,20 +149,21 @@ def _sailed(samples: Samples, frame: Frame, params: TrackParams) -> Tracks:
     window = bucket(ceil(WINDOW * period / usual)) if usual > 0 else 1
     width = bucket(max(points.shape[1], 64), 4)
 
-    def work(rows: np.ndarray) -> tuple[jax.Array, ...]:
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:
         reference = tuple(
-            padded_points(a[rows], width).astype(np.float32) for a in (points, curvature)
+            filled(a[rows], width, axis=1).astype(np.float32) for a in (points, curvature)
         )
         return _follow(
-            (*reference, counts[rows].astype(np.int32)),
-            frame.charts(rows),
+            jax.device_put((*reference, counts[rows].astype(np.int32)), device),
+            frame.charts(rows, device),
             np.float32(frame.cell_size),
             params,
             steps,
             np.int32(window),
         )
 
-    poses, distance, worst, arrived, collided, used = in_blocks(work, len(points), frame.most_rows)
+    batch = few_sizes(len(points), frame.most_rows)
+    poses, distance, worst, arrived, collided, used = batch.arrays(work)
     last = int(used.max(initial=0)) + 1
     poses = poses[:, :last].astype(np.float64)
     poses[..., :2] += frame.origin

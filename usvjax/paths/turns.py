@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.batches import sized
 from usvjax.checks import float_array, not_negative, positive, whole_number
 from usvjax.errors import BadInputError
-from usvjax.paths.blocks import sized
 from usvjax.paths.corners import Turned, Vessel, turn_corners
 from usvjax.paths.inputs import Frame, path_frame, path_rows
 from usvjax.paths.points import sample_pieces, sample_room, without_idle_points
@@ -195,7 +195,7 @@ class _Spacing:
 
 def _put(old: np.ndarray, new: np.ndarray, rows: np.ndarray) -> np.ndarray:
     size = max(old.shape[1], new.shape[1])
-    old, new = sized(old, size), sized(new, size)
+    old, new = sized(old, size, axis=1), sized(new, size, axis=1)
     old[rows] = new
     return old
 
@@ -251,7 +251,7 @@ def _result(
     return SmoothTurns(
         fitted=there & ~left.any(axis=1),
         turns=cases,
-        corners=_known(there, sized(points[:, 1:-1], cases.shape[1]) + frame.origin),
+        corners=_known(there, sized(points[:, 1:-1], cases.shape[1], axis=1) + frame.origin),
         repaired=repaired,
         pieces=PathPieces(
             start=_known(~no_piece, start + frame.origin),

@@ -5,12 +5,12 @@ from functools import partial
 import jax
 import numpy as np
 
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.batches import Batch, split
+from usvjax.devices import COMPILER_OPTIONS, QUICKLY_COMPILED, chosen_devices
 from usvjax.errors import BadInputError
-from usvjax.paths.blocks import QUICKLY_COMPILED
+from usvjax.memory import check_memory
 from usvjax.planners.inputs import Defaults, Request
 from usvjax.planners.tracks import Tracks, tracks_of_moves
-from usvjax.search.inputs import check_memory
 from usvkernels.planners.aco import AcoParams, AcoPlans, plan
 from usvkernels.planners.ants import CHUNK, AcoQueries, AcoStatic
 
@@ -33,16 +33,15 @@ def plan_rows(request: Request, rows: np.ndarray) -> Tracks:
     devices = chosen_devices()
     group = GROUP if len(rows) > len(devices) else 1
     static = _static(request, group, len(devices))
-    parts = np.array_split(rows, -(-len(rows) // group)) if len(rows) else []
-    found = list(share_out(partial(_planned, request, static), parts, devices))
-    if not found:
+    if not len(rows):
         return Tracks(
             np.zeros((0, 1, 2), np.int32),
             np.zeros(0, np.int64),
             np.zeros(0),
             np.zeros((0, request.iterations)),
         )
-    move, steps, history = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
+    batch = Batch(split(rows, group), group, devices)
+    move, steps, history = batch.arrays(partial(_planned, request, static))
     return tracks_of_moves(request.scene.starts[rows], move, steps.astype(np.int64), history)
 
 
@@ -69,23 +68,20 @@ def _static(request: Request, group: int, devices: int) -> AcoStatic:
 
 
 def _planned(
-    request: Request, static: AcoStatic, rows: np.ndarray, device: jax.Device
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    request: Request, static: AcoStatic, rows: np.ndarray, count: int, device: jax.Device
+) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Moves, steps and history of some of the queries, on one device."""
-    filled = rows[np.minimum(np.arange(static.queries), len(rows) - 1)]
     scene = request.scene
-    maps = np.zeros_like(filled) if scene.shared else filled
+    maps = np.zeros_like(rows) if scene.shared else rows
     arrays = {
         "blocked": scene.blocked[maps],
-        "start": _cell(static, scene.starts[filled]),
-        "goal": _cell(static, scene.goals[filled]),
-        "seed": request.seeds[:, filled],
+        "start": _cell(static, scene.starts[rows]),
+        "goal": _cell(static, scene.goals[rows]),
+        "seed": request.seeds[:, rows],
     }
     params, arrays = jax.device_put((request.params, arrays), device)
-    count = len(rows)
     found = _run(static, params, AcoQueries(**arrays), np.int32(count))
-    move, steps, history = jax.device_get((found.move, found.steps, found.history))
-    return move[:count], steps[:count], history[:count]
+    return found.move, found.steps, found.history
 
 
 def _cell(static: AcoStatic, cells: np.ndarray) -> np.ndarray:

@@ -8,12 +8,12 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.batches import Batch, bucket, split
+from usvjax.devices import COMPILER_OPTIONS, QUICKLY_COMPILED, chosen_devices
 from usvjax.errors import BadInputError
-from usvjax.paths.blocks import QUICKLY_COMPILED, bucket
+from usvjax.memory import check_memory
 from usvjax.planners.inputs import Defaults, Request
 from usvjax.planners.tracks import Tracks, tracks_of_moves
-from usvjax.search.inputs import check_memory
 from usvjax.swarms.ranges import RANGES
 from usvkernels.planners import cmpso, ga
 from usvkernels.planners.moves import MOVES
@@ -114,14 +114,16 @@ def _planned(
     group = GROUP if len(rows) > len(devices) else 1
     apart = np.abs(scene.goals - scene.starts)[rows]
     order = np.argsort(np.where(across, apart[:, 0], apart[:, 1]), kind="stable")
-    parts = np.array_split(order, -(-len(rows) // group)) if len(rows) else []
+    batch = Batch(split(order, group), group, devices)
 
-    def work(part: np.ndarray, device: jax.Device) -> tuple[list[np.ndarray], np.ndarray]:
-        return _group(kernel, request, group, rows[part], across[part], device)
+    def work(
+        part: np.ndarray, count: int, device: jax.Device
+    ) -> tuple[list[np.ndarray], np.ndarray]:
+        return _group(kernel, request, rows[part], across[part], count, device)
 
     history = np.zeros((len(rows), request.iterations))
     moves = [np.zeros(0, np.int64)] * len(rows)
-    for part, (made, lengths) in zip(parts, share_out(work, parts, devices), strict=True):
+    for part, (made, lengths) in zip(batch.blocks, batch.run(work), strict=True):
         history[part] = lengths
         for row, one in zip(part, made, strict=True):
             moves[row] = one
@@ -139,16 +141,14 @@ def _check_side(shape: tuple[int, int]) -> None:
 def _group(
     kernel: _Kernel,
     request: Request,
-    group: int,
     rows: np.ndarray,
     across: np.ndarray,
+    count: int,
     device: jax.Device,
 ) -> tuple[list[np.ndarray], np.ndarray]:
-    """Moves and histories of at most `group` queries, on one device."""
-    scene, count = request.scene, len(rows)
-    padding = np.minimum(np.arange(group), count - 1)
-    filled, across = rows[padding], across[padding]
-    start, goal = scene.starts[filled], scene.goals[filled]
+    """Moves and histories of the first `count` of a group of queries, on one device."""
+    scene, group = request.scene, len(rows)
+    start, goal = scene.starts[rows], scene.goals[rows]
     apart = np.abs(goal - start)
     side = max(scene.shape)
     most = max(LEAST_ROWS, int(np.where(across, apart[:, 0], apart[:, 1]).max()) + 1)
@@ -157,11 +157,11 @@ def _group(
     height, width = scene.shape
     check_memory(needed, f"blocked: {group} plans at once on {width} x {height} cells")
     arrays = {
-        "blocked": scene.blocked[np.zeros_like(filled) if scene.shared else filled],
+        "blocked": scene.blocked[np.zeros_like(rows) if scene.shared else rows],
         "start": start,
         "goal": goal,
         "across": across,
-        "seed": request.seeds[:, filled],
+        "seed": request.seeds[:, rows],
     }
     params, arrays = jax.device_put((request.params, arrays), device)
     found = kernel.run(static, params, RowQueries(**arrays))

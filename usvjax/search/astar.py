@@ -7,15 +7,17 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.batches import Batch, bucket, deal, sized
 from usvjax.checks import not_negative, one_of, whole_number
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
+from usvjax.memory import check_memory
 from usvjax.search import sweeping
-from usvjax.search.inputs import SearchScene, check_memory, check_options, search_scene
-from usvjax.search.paths import Paths, check_paths, trace, turning_of
+from usvjax.search.inputs import SearchScene, check_options, search_scene
+from usvjax.search.paths import TracedPaths, check_paths, trace, turning_of
 from usvkernels.lanes import LEAST_LANES
 from usvkernels.search import astar_costs, astar_lanes, pqueue
-from usvkernels.search.astar import Queries
+from usvkernels.search.astar import AstarQueries
 from usvkernels.search.astar_costs import HEURISTICS, STRAIGHT, AstarStatic
 from usvkernels.status import Status
 
@@ -174,11 +176,10 @@ class _Operands:
 
 
 @dataclass(frozen=True)
-class _Plan:
+class _Calls:
     """How queries are shared out."""
 
-    rows: np.ndarray  # int[n], the queries that are searched
-    capacity: int  # queries per call
+    batch: Batch  # the queries that are searched
     lanes: int
     size: int  # places of a queue
 
@@ -241,63 +242,60 @@ def _budget(static: AstarStatic, max_expansions: int | None) -> int:
     return min(bound if max_expansions is None else max_expansions, 2**31 - 1)
 
 
-def _plan(scene: SearchScene, static: AstarStatic, max_lanes: int) -> _Plan:
+def _plan(scene: SearchScene, static: AstarStatic, max_lanes: int) -> _Calls:
     """Sizes of the calls; refuses what does not fit into memory."""
     rows = np.flatnonzero(scene.open_ends)
-    devices = len(chosen_devices())
+    devices = chosen_devices()
     size = pqueue.layout(1, static.states).size
-    share = -(-max(len(rows), 1) // devices)
     most = max(1, min(MOST_ROWS, MOST_STATES // size))
-    per_call = -(-share // -(-share // most))  # even calls
-    capacity = max(LEAST_LANES, 1 << (per_call - 1).bit_length())
+    blocks = deal(rows, most, len(devices), least=LEAST_LANES)
+    capacity = bucket(max(LEAST_LANES, *map(len, blocks)))
     lanes = max(1, min(max_lanes, capacity // JOBS_PER_LANE, MOST_KEYS // size))
-    needed = devices * size * (4 * lanes + capacity * (1 if scene.shared else 2))
+    needed = len(devices) * size * (4 * lanes + capacity * (1 if scene.shared else 2))
     height, width = scene.shape
     what = f"blocked: a search on {width} x {height} cells"
     check_memory(needed, what)
     if size >= 2**31:
         raise BadInputError(f"{what} has {size:,} states; wanted less than 2^31")
-    return _Plan(rows, capacity, lanes, size)
+    return _Calls(Batch(blocks, capacity, devices), lanes, size)
 
 
 def _search(
-    scene: SearchScene, static: AstarStatic, operands: _Operands, plan: _Plan, turn_cost: float
+    scene: SearchScene, static: AstarStatic, operands: _Operands, plan: _Calls, turn_cost: float
 ) -> AstarResult:
-    parts = max(1, -(-len(plan.rows) // plan.capacity))
-    blocks = [rows for rows in np.array_split(plan.rows, parts) if len(rows)]
+    capacity = plan.batch.size
     shared = astar_costs.walled(static, scene.blocked, plan.size) if scene.shared else None
 
-    def work(rows: np.ndarray, device: jax.Device) -> _Block:
-        # Rows past the last one repeat it: shapes stay those that are compiled already.
-        padded = rows[np.minimum(np.arange(plan.capacity), len(rows) - 1)]
+    def work(rows: np.ndarray, count: int, device: jax.Device) -> _Block:
         maps = shared
         if maps is None:
-            maps = np.ones((plan.capacity, plan.size), bool)
-            maps[: len(rows)] = astar_costs.walled(static, scene.blocked[rows], plan.size)
+            own = astar_costs.walled(static, scene.blocked[rows[:count]], plan.size)
+            maps = sized(own, capacity, fill=True)
         arrays = {
             "maps": maps,
-            "starts": scene.starts[padded],
-            "goals": scene.goals[padded],
+            "starts": scene.starts[rows],
+            "goals": scene.goals[rows],
             "table": operands.table,
             "turn_cost": np.int32(operands.turn_cost),
             "budget": np.int32(operands.budget),
-            "count": np.int32(len(rows)),
+            "count": np.int32(count),
             "go": np.bool_(True),
         }
-        queries = Queries(**jax.device_put(arrays, device))
+        queries = AstarQueries(**jax.device_put(arrays, device))
         found = _run(queries, static, plan.lanes)
         status, expanded, end = (
-            np.asarray(leaf)[: len(rows)] for leaf in (found.status, found.expanded, found.end)
+            np.asarray(leaf)[:count] for leaf in (found.status, found.expanded, found.end)
         )
         arrived = np.flatnonzero(status == Status.FOUND)
-        steps = np.asarray(found.steps).reshape(plan.capacity, plan.size)
-        return _Block(rows, status, expanded, trace(static, steps, arrived, end[arrived]))
+        steps = np.asarray(found.steps).reshape(capacity, plan.size)
+        paths = trace(static, steps, arrived, end[arrived])
+        return _Block(rows[:count], status, expanded, paths)
 
-    return _collected(scene, list(share_out(work, blocks, chosen_devices())), turn_cost)
+    return _collected(scene, plan.batch.run(work), turn_cost)
 
 
 @partial(jax.jit, static_argnames=("static", "lanes"), compiler_options=COMPILER_OPTIONS)
-def _run(queries: Queries, static: AstarStatic, lanes: int) -> astar_lanes.Found:
+def _run(queries: AstarQueries, static: AstarStatic, lanes: int) -> astar_lanes.Found:
     return astar_lanes.search(static, queries, lanes, CHUNK)
 
 
@@ -308,7 +306,7 @@ class _Block:
     rows: np.ndarray
     status: np.ndarray
     expanded: np.ndarray
-    paths: Paths  # of those that arrived
+    paths: TracedPaths  # of those that arrived
 
 
 def _collected(scene: SearchScene, done: list[_Block], turn_cost: float) -> AstarResult:

@@ -6,15 +6,16 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.batches import sized
 from usvjax.checks import one_of
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.search.inputs import check_memory, check_options, search_maps
+from usvjax.memory import check_memory
+from usvjax.search.inputs import check_options, search_maps
 from usvjax.search.sweeping import (
     MOST_LANES,
-    capacity_for,
     greatest_h,
-    in_blocks,
+    grouped_batch,
     lanes_for,
     pack_maps,
     take_rows,
@@ -140,28 +141,27 @@ def _fill(
     grids: np.ndarray, sets: np.ndarray, sweep: Sweep, rows: np.ndarray, out: np.ndarray
 ) -> np.ndarray:
     """Write the fields of these rows; bool[rows], where lengths passed what the units hold."""
-    devices = chosen_devices()
     most = max(1, MOST_CELLS // (sweep.width * sweep.height * sweep.lanes))
-    blocks = list(in_blocks(rows, sweep.lanes, len(devices), most * sweep.lanes))
-    work = partial(_fill_block, grids, sets, sweep, most, out)
-    return np.concatenate(list(share_out(work, blocks, devices)))
+    batch = grouped_batch(rows, sweep.lanes, most, chosen_devices())
+    return np.concatenate(batch.run(partial(_fill_block, grids, sets, sweep, out)))
 
 
 def _fill_block(
     grids: np.ndarray,
     sets: np.ndarray,
     sweep: Sweep,
-    most: int,
     out: np.ndarray,
-    rows: np.ndarray,
+    padded: np.ndarray,
+    count: int,
     device: jax.Device,
 ) -> np.ndarray:
-    lanes, count = sweep.lanes, len(rows)
-    groups = -(-count // lanes)
-    capacity = capacity_for(groups, most)
-    goals = np.full((capacity * lanes, *sets.shape[1:]), -1, np.int32)
-    goals[:count] = sets[rows]
-    goals = goals.reshape(capacity, lanes, *sets.shape[1:]).swapaxes(1, 2)
+    lanes, rows = sweep.lanes, padded[:count]
+    groups, capacity = -(-count // lanes), len(padded) // lanes
+    goals = (
+        sized(sets[rows].astype(np.int32), len(padded), fill=-1)
+        .reshape(capacity, lanes, *sets.shape[1:])
+        .swapaxes(1, 2)
+    )
     maps = grids if len(grids) == 1 else take_rows(grids, rows)
     packed, goals = jax.device_put((pack_maps(maps, lanes, capacity), goals), device)
     found = jax.device_get(_field(sweep, packed, goals, np.int32(groups)))

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import byte_size, one_of, whole_number
+from usvjax.checks import one_of, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
 
@@ -165,33 +165,6 @@ def blocked_at(grids: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Whether cells int[B, 2] are blocked in bool[1, H, W] or bool[B, H, W]; bool[B]."""
     layer = np.zeros(len(cells), np.int64) if len(grids) == 1 else np.arange(len(cells))
     return grids[layer, cells[:, 1], cells[:, 0]]
-
-
-def check_memory(needed: int, what: str) -> None:
-    """Refuse work that needs more memory than the machine has left.
-
-    Args:
-      needed: bytes.
-      what: what needs them, as "blocked: 5 searches at once on a map of 9 x 9 cells".
-
-    Raises:
-      BadInputError: naming both figures.
-    """
-    left = free_memory()
-    if left is not None and needed > left:
-        raise BadInputError(
-            f"{what} needs {byte_size(needed)} of memory; this machine has {byte_size(left)} left"
-        )
-
-
-def free_memory() -> int | None:
-    """Bytes that programs can still take without swapping; None where the system hides it."""
-    try:
-        with open("/proc/meminfo", encoding="ascii") as lines:
-            facts = dict(line.split(":") for line in lines)
-        return int(facts["MemAvailable"].split()[0]) * 1024
-    except (OSError, KeyError, ValueError):
-        return None
 
 
 def _batch(grids: np.ndarray, starts: np.ndarray, goals: np.ndarray) -> int:

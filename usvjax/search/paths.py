@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from usvjax.search.inputs import check_memory
+from usvjax.memory import check_memory
 from usvkernels.search.astar import NO_HEADING
 from usvkernels.search.astar_costs import DIRECTIONS, AstarStatic
 
@@ -15,7 +15,7 @@ for _direction, (_dx, _dy) in enumerate(DIRECTIONS):
 
 
 @dataclass(frozen=True)
-class Paths:
+class TracedPaths:
     """The paths of n queries, all of which arrived.
 
     Attributes:
@@ -40,7 +40,7 @@ def check_paths(count: int, longest: int) -> None:
     check_memory(8 * count * longest, f"starts: {count:,} paths of up to {longest:,} cells")
 
 
-def trace(static: AstarStatic, steps: np.ndarray, rows: np.ndarray, end: np.ndarray) -> Paths:
+def trace(static: AstarStatic, steps: np.ndarray, rows: np.ndarray, end: np.ndarray) -> TracedPaths:
     """Follow the parents back from the goals.
 
     Args:
@@ -75,7 +75,7 @@ def trace(static: AstarStatic, steps: np.ndarray, rows: np.ndarray, end: np.ndar
         turns[path] += np.where(after[path] < 0, 0, np.minimum(apart, 8 - apart))
         after[path] = direction
     count = straight + diagonal + 1
-    return Paths(
+    return TracedPaths(
         cells=_cells(static, track, count, end // static.headings),
         count=count.astype(np.int32),
         length=straight + diagonal * np.sqrt(2.0),

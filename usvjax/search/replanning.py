@@ -7,10 +7,11 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.batches import Batch, bucket, deal, sized
 from usvjax.checks import whole_number
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
-from usvjax.paths.blocks import bucket
-from usvjax.search.inputs import SearchScene, check_memory, search_scene
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices
+from usvjax.memory import check_memory
+from usvjax.search.inputs import SearchScene, search_scene
 from usvjax.search.replan_inputs import (
     check_method,
     check_sizes,
@@ -162,8 +163,8 @@ def _sail(task: _Task) -> DstarLiteResult:
     if len(rows):
         devices = chosen_devices()
         parts = _parts(task, rows, len(devices))
-        work = partial(_sail_part, task, _room(task, len(parts[0]), len(devices)))
-        found = share_out(work, parts, devices)
+        room = _room(task, len(parts[0]), len(devices))
+        found = Batch(parts, room.rows, devices).run(partial(_sail_part, task, room))
         for part, (part_records, part_busy, part_total) in zip(parts, found, strict=True):
             records[part] = part_records
             busy, total = busy + part_busy, total + part_total
@@ -171,12 +172,11 @@ def _sail(task: _Task) -> DstarLiteResult:
 
 
 def _parts(task: _Task, rows: np.ndarray, devices: int) -> list[np.ndarray]:
-    """Even parts of the rows, as many for each device, that a call can hold."""
+    """Parts of the rows that a call can hold."""
     _, steps, width = task.flips.shape
     per_map = 1 if task.scene.shared else task.static.layout.size
     most = min(MOST_ROWS, MOST_NUMBERS // max(steps * width, 3 * (steps + 1), per_map))
-    per_device = -(-len(rows) // (max(1, most) * devices))
-    return np.array_split(rows, min(len(rows), per_device * devices))
+    return deal(rows, max(1, most), devices)
 
 
 def _room(task: _Task, longest: int, devices: int) -> _Room:
@@ -199,33 +199,28 @@ def _room(task: _Task, longest: int, devices: int) -> _Room:
 
 
 def _sail_part(
-    task: _Task, room: _Room, rows: np.ndarray, device: jax.Device
+    task: _Task, room: _Room, rows: np.ndarray, count: int, device: jax.Device
 ) -> tuple[np.ndarray, float, float]:
     """Sail some of the rows on one device; int32[rows, T + 1, 3] and lane-iterations."""
     steps = task.flips.shape[1]
-    episodes = Episodes(**jax.device_put(_arrays(task, room, rows), device))
-    count = np.int32(len(rows))
+    episodes = Episodes(**jax.device_put(_arrays(task, room, rows, count), device))
     records, busy, total = jax.device_get(
-        _run(episodes, task.static, count, room.records, room.lanes)
+        _run(episodes, task.static, np.int32(count), room.records, room.lanes)
     )
-    records = records[: len(rows) * (steps + 1)]
-    return records.reshape(len(rows), steps + 1, 3), float(busy), float(total)
+    records = records[: count * (steps + 1)]
+    return records.reshape(count, steps + 1, 3), float(busy), float(total)
 
 
-def _arrays(task: _Task, room: _Room, rows: np.ndarray) -> dict[str, np.ndarray]:
-    """The fields of `Episodes` for some of the rows; the last fills up the room."""
+def _arrays(task: _Task, room: _Room, rows: np.ndarray, count: int) -> dict[str, np.ndarray]:
+    """The fields of `Episodes` for some of the rows, of which `count` are no padding."""
     scene, layout = task.scene, task.static.layout
-    filled = rows[np.minimum(np.arange(room.rows), len(rows) - 1)]
-    flips = np.full(room.flips, -1, np.int32)
-    given = task.flips[rows].reshape(-1)
-    flips[: len(given)] = given
     own = np.zeros(room.rows) if scene.shared else np.arange(room.rows)
     return {
-        "blocked": layout.plane(scene.blocked if scene.shared else scene.blocked[filled]),
+        "blocked": layout.plane(scene.blocked if scene.shared else scene.blocked[rows]),
         "map_of": own.astype(np.int32),
-        "start": layout.index(scene.starts[filled]),
-        "goal": layout.index(scene.goals[filled]),
-        "flips": flips,
+        "start": layout.index(scene.starts[rows]),
+        "goal": layout.index(scene.goals[rows]),
+        "flips": sized(task.flips[rows[:count]].reshape(-1), room.flips, fill=-1),
         "steps": np.asarray(task.flips.shape[1], np.int32),
         "width": np.asarray(task.flips.shape[2], np.int32),
         "max_expansions": np.asarray(task.max_expansions, np.int32),

@@ -1,18 +1,19 @@
 """Shortest paths by sweeps over whole maps: the engine for many queries on small maps."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
 import jax
 import numpy as np
 
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
-from usvjax.search.inputs import SearchScene, check_memory
+from usvjax.batches import Batch, bucket, deal_groups, sized
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices
+from usvjax.memory import check_memory
+from usvjax.search.inputs import SearchScene
 from usvjax.search.paths import check_paths
 from usvkernels.search.steps import SMALL_UNITS, UNITS, Units, cells, counts, manhattan, octile
 from usvkernels.search.sweep import Sweep, choose_block
-from usvkernels.search.sweep_search import Queries, Routes, solve
+from usvkernels.search.sweep_search import Routes, SweepQueries, solve
 from usvkernels.status import Status
 
 MOST_LANES = 64
@@ -77,7 +78,7 @@ def sweep_paths(
     apart = np.abs(scene.starts - scene.goals)[rows]
     least = (octile if connectivity == 8 else manhattan)(apart[:, 0], apart[:, 1], SMALL_UNITS)
     later = rows[least > DETOURS * SMALL_UNITS.cap]
-    path_cells = 1 << max(4, (max(width, height) * 5 // 4).bit_length())
+    path_cells = bucket(max(16, max(width, height) * 5 // 4 + 1))
 
     def solve_in(units: Units, rows: np.ndarray) -> None:
         lanes = lanes_for(width, height, units, len(rows), max_lanes)
@@ -163,11 +164,10 @@ def _solve_rows(
         groups = -(-len(rows) // sweep.lanes)
         _check_room(scene, sweep, path_cells, groups, len(devices))
         leave = sweep.lanes // LEFT_OVER if groups >= LEAST_GROUPS * len(devices) else 0
-        blocks = list(in_blocks(rows, sweep.lanes, len(devices), MOST_ROWS))
+        batch = grouped_batch(rows, sweep.lanes, MOST_ROWS // sweep.lanes, devices)
         work = partial(_solve_block, scene, sweep, path_cells, leave)
-        for block, routes in zip(blocks, share_out(work, blocks, devices), strict=True):
-            wanted = table.take(block, routes, sweep.units)
-            path_cells = max(path_cells, 1 << (wanted - 1).bit_length())
+        for block, routes in zip(batch.blocks, batch.run(work), strict=True):
+            path_cells = max(path_cells, bucket(table.take(block, routes, sweep.units)))
         rows = rows[table.status[rows] == Status.RUNNING]
 
 
@@ -184,13 +184,11 @@ def _check_room(
     check_memory(min(devices, groups) * (paths + maps + planes), what)
 
 
-def in_blocks(rows: np.ndarray, lanes: int, devices: int, rows_most: int) -> Iterator[np.ndarray]:
-    """Rows in blocks of whole groups, as many for each device."""
-    groups = -(-len(rows) // lanes)
-    most = max(1, rows_most // lanes)
-    count = min(groups, devices * -(-groups // (most * devices)))
-    for part in np.array_split(np.arange(groups), count):
-        yield rows[part[0] * lanes : (part[-1] + 1) * lanes]
+def grouped_batch(rows: np.ndarray, lanes: int, most: int, devices: list[jax.Device]) -> Batch:
+    """Rows in blocks of whole groups of lanes, at most so many of them."""
+    blocks = deal_groups(rows, lanes, most, len(devices))
+    longest = max(-(-len(block) // lanes) for block in blocks)
+    return Batch(blocks, capacity_for(longest, most) * lanes, devices)
 
 
 def _solve_block(
@@ -198,18 +196,16 @@ def _solve_block(
     sweep: Sweep,
     path_cells: int,
     leave: int,
-    rows: np.ndarray,
+    padded: np.ndarray,
+    count: int,
     device: jax.Device,
 ) -> Routes:
-    lanes, count = sweep.lanes, len(rows)
-    groups = -(-count // lanes)
-    capacity = capacity_for(groups, MOST_ROWS // lanes)
+    lanes, size, rows = sweep.lanes, len(padded), padded[:count]
+    capacity = size // lanes
 
     def grouped(values: np.ndarray) -> np.ndarray:
-        """Rows of the queries, then zeros, so that shapes stay those compiled already."""
-        full = np.zeros((capacity * lanes, *values.shape[1:]), values.dtype)
-        full[:count] = values
-        return full.reshape(capacity, lanes, *values.shape[1:])
+        """Rows of the queries, then zeros."""
+        return sized(values, size).reshape(capacity, lanes, *values.shape[1:])
 
     maps = scene.blocked if scene.shared else take_rows(scene.blocked, rows)
     arrays = (
@@ -218,11 +214,10 @@ def _solve_block(
         grouped(scene.goals[rows]),
         grouped(np.ones(count, bool)),
     )
-    queries = Queries(*jax.device_put(arrays, device))
-    routes = _solve(sweep, path_cells, queries, np.int32(groups), np.int32(leave))
-    return jax.tree.map(
-        lambda a: np.asarray(a).reshape(capacity * lanes, *a.shape[2:])[:count], routes
-    )
+    queries = SweepQueries(*jax.device_put(arrays, device))
+    groups = np.int32(-(-count // lanes))
+    routes = _solve(sweep, path_cells, queries, groups, np.int32(leave))
+    return jax.tree.map(lambda a: np.asarray(a).reshape(size, *a.shape[2:])[:count], routes)
 
 
 def capacity_for(groups: int, most: int) -> int:

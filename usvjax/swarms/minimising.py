@@ -9,10 +9,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.batches import Batch, bucket, split
 from usvjax.checks import one_of, whole_number
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.keys import as_key
-from usvjax.search.inputs import check_memory
+from usvjax.memory import check_memory
 from usvjax.swarms.algorithms import ALGORITHMS, Params, Static, checked_params, checked_static
 from usvjax.swarms.objective import checked_bounds, checked_objective
 from usvjax.swarms.precision import precision
@@ -156,35 +157,26 @@ def _default(name: str, value: Any, default: int) -> int:
 
 def _in_blocks(
     task: _Task, box: Box, stream: jax.Array, params: Params, runs: int
-) -> list[np.ndarray]:
+) -> tuple[np.ndarray, ...]:
     """Run blocks of runs, shared out over the devices; the fields of `Found`, runs last."""
     devices = chosen_devices()
     lanes = LANES
     if devices[0].platform != "cpu":
-        lanes = min(MOST_LANES, 1 << (-(-runs // len(devices)) - 1).bit_length())
-    blocks = [np.arange(first, first + lanes) for first in range(0, runs, lanes)]
-    seeds = np.asarray(_seeds(stream, blocks[-1][-1] + 1))
-
+        lanes = min(MOST_LANES, bucket(-(-runs // len(devices))))
+    blocks = split(np.arange(runs), lanes)
+    seeds = np.asarray(_drawn(stream, bucket(max(runs, lanes))))  # few sizes are compiled
     double = box.low.dtype == jnp.float64
 
-    def on_device(rows: np.ndarray, device: jax.Device) -> Found:
-        own = jax.tree.map(lambda leaf: leaf[np.minimum(rows, runs - 1)], params)
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:
+        own = jax.tree.map(lambda leaf: leaf[rows], params)
         with precision(double):
             arguments = jax.device_put((box, seeds[:, rows], own), device)
-            return jax.device_get(_run(task, *arguments))
+            found = _run(task, *arguments)
+        return found.best, found.x, found.history, found.nans
 
     # A program is compiled for each device: not worth it for a block or two.
     used = devices[: max(1, len(blocks) // BLOCKS_PER_DEVICE)]
-    parts = list(share_out(on_device, blocks, used))
-    return [
-        np.concatenate([getattr(part, name) for part in parts], axis=-1)[..., :runs]
-        for name in ("best", "x", "history", "nans")
-    ]
-
-
-def _seeds(stream: jax.Array, count: int) -> np.ndarray:
-    """Seeds of `count` runs; drawn for powers of two, since each number is compiled."""
-    return np.asarray(_drawn(stream, 1 << (int(count) - 1).bit_length()))[:, :count]
+    return Batch(blocks, lanes, used).arrays(work, axis=-1)
 
 
 _drawn = jax.jit(draws.seeds, static_argnums=1)
@@ -203,7 +195,7 @@ def _run(task: _Task, box: Box, seed: jax.Array, params: Params) -> Found:
     )
 
 
-def _collected(found: list[np.ndarray], evaluations: int) -> MinimiseResult:
+def _collected(found: tuple[np.ndarray, ...], evaluations: int) -> MinimiseResult:
     best, x, history, nans = found
     never = nans == evaluations
     return MinimiseResult(

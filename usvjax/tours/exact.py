@@ -7,7 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.batches import Batch, split
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.tours.inputs import Legs, checked_legs, truth
 from usvkernels.tours.held_karp import MOST_STATIONS, held_karp
@@ -45,14 +46,14 @@ def orders(legs: Legs, closed: bool) -> np.ndarray:
             "exact tour"
         )
     distances = scaled(legs, closed)
-    blocks = [np.arange(first, first + _LANES) for first in range(0, len(distances), _LANES)]
 
-    def on_device(rows: np.ndarray, device: jax.Device) -> np.ndarray:
-        own = distances[np.minimum(rows, len(distances) - 1)]
-        return np.asarray(_solved(jax.device_put(np.moveaxis(own, 0, -1), device))).T
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array]:
+        own = np.moveaxis(distances[rows], 0, -1)
+        return (_solved(jax.device_put(own, device)),)
 
-    found = np.concatenate(list(share_out(on_device, blocks, chosen_devices())))
-    return found[: len(distances)]
+    blocks = split(np.arange(len(distances)), _LANES)
+    (found,) = Batch(blocks, _LANES, chosen_devices()).arrays(work, axis=1)
+    return found.T
 
 
 @partial(jax.jit, compiler_options=COMPILER_OPTIONS)

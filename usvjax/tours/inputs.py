@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.search.inputs import check_memory
+from usvjax.memory import check_memory
 
 MOST_STATIONS = 1000
 _POINTS = "float [B, d, 2] or [d, 2]"

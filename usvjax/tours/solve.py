@@ -8,11 +8,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.batches import Batch, bucket, split
 from usvjax.checks import one_of, whole_number
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.keys import as_key, first_run
-from usvjax.search.inputs import check_memory
+from usvjax.memory import check_memory
 from usvjax.tours import exact
 from usvjax.tours.algorithms import (
     ALGORITHMS,
@@ -131,7 +132,7 @@ def solve_tour(
     _check_sizes(legs, count, iterations, population or 0)
     leaves = checked_params(algorithm, params, count)
     # Few sizes, so that few programs are compiled.
-    seeds = np.asarray(_seeds(stream, 1 << (count - 1).bit_length(), first))
+    seeds = np.asarray(_seeds(stream, bucket(count), first))
     task = _Task(algorithm, chosen, iterations, population)
     symmetric = legs.symmetric & closed
     order, history = _in_blocks(task, exact.scaled(legs, closed), symmetric, seeds, leaves, count)
@@ -190,33 +191,17 @@ def _in_blocks(
     """
     size = lanes(distances.shape[1])
     shared = len(distances) == 1
-    blocks = [
-        (replace(task, symmetric=same), rows)
-        for same in (True, False)
-        for rows in _blocks(np.flatnonzero(np.broadcast_to(symmetric, count) == same), size)
-    ]
+    symmetric = np.broadcast_to(symmetric, count)
+    blocks = [*split(np.flatnonzero(symmetric), size), *split(np.flatnonzero(~symmetric), size)]
 
-    def on_device(
-        block: tuple[_Task, np.ndarray], device: jax.Device
-    ) -> tuple[np.ndarray, np.ndarray]:
-        task, rows = block
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, jax.Array]:
         legs = distances[0] if shared else np.moveaxis(distances[rows], 0, -1)
         leaves = jax.tree.map(lambda leaf: leaf[rows], params)
         arrays = jax.device_put((legs, seeds[:, rows], leaves), device)
-        return jax.device_get(_run(*arrays, task))
+        return _run(*arrays, replace(task, symmetric=bool(symmetric[rows[0]])))
 
-    parts = list(share_out(on_device, blocks, chosen_devices()))
-    _, where = np.unique(np.concatenate([rows for _, rows in blocks]), return_index=True)
-    order, history = (
-        np.concatenate(arrays, axis=1).take(where, axis=1).T for arrays in zip(*parts, strict=True)
-    )
-    return order, history
-
-
-def _blocks(rows: np.ndarray, size: int) -> list[np.ndarray]:
-    """Rows in blocks of one size, the last filled up with the last row."""
-    filled = np.pad(rows, (0, -len(rows) % size), mode="edge") if len(rows) else rows
-    return list(filled.reshape(-1, size))
+    order, history = Batch(blocks, size, chosen_devices()).arrays(work, axis=1)
+    return order.T, history.T
 
 
 def lanes(stations: int) -> int:

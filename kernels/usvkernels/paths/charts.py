@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import jax
-import jax.numpy as jnp
 from jax import Array
 
 
@@ -27,14 +26,3 @@ class Charts:
     def holds(self, column: Array, row: Array) -> Array:
         """Whether cells lie on the map: bool, for numbers of any shape."""
         return (column >= 0) & (row >= 0) & (column < self.width) & (row < self.height)
-
-
-def charts_of(blocked: Array, maps: Array) -> Charts:
-    """Charts of bool[M, H, W], with int32[n], the map of each thing."""
-    height, width = blocked.shape[-2:]
-    return Charts(
-        cells=jnp.reshape(blocked, -1),
-        first=jnp.asarray(maps, jnp.int32) * (height * width),
-        height=jnp.int32(height),
-        width=jnp.int32(width),
-    )

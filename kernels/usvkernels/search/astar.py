@@ -41,7 +41,7 @@ _INSIDE = "promise_in_bounds"
 
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
-class Queries:
+class AstarQueries:
     """What to search; the operands of a compiled search."""
 
     maps: Array  # bool[1 or B, size] of `walled`
@@ -96,7 +96,7 @@ def base_of(static: AstarStatic, h: Array) -> Array:
     return h if static.consistent else jnp.zeros_like(h)
 
 
-def expand(static: AstarStatic, sizes: Layout, queries: Queries, lanes: Lanes) -> Lanes:
+def expand(static: AstarStatic, sizes: Layout, queries: AstarQueries, lanes: Lanes) -> Lanes:
     """Expand one cell in every lane that searches."""
     go, queues = queries.go, lanes.queues
     least = pqueue.least(sizes, queues, go)
@@ -158,7 +158,7 @@ def _node(static: AstarStatic, lanes: Lanes, least: Least) -> _Node:
 def _entered(
     static: AstarStatic,
     sizes: Layout,
-    queries: Queries,
+    queries: AstarQueries,
     lanes: Lanes,
     node: _Node,
     least: Least,
@@ -184,7 +184,7 @@ def _entered(
 
 def _offered(
     static: AstarStatic,
-    queries: Queries,
+    queries: AstarQueries,
     lanes: Lanes,
     node: _Node,
     seen: Array,
@@ -254,7 +254,7 @@ def _noted(
 
 
 def _status(
-    static: AstarStatic, queries: Queries, lanes: Lanes, node: _Node
+    static: AstarStatic, queries: AstarQueries, lanes: Lanes, node: _Node
 ) -> tuple[Array, Array]:
     expanded = lanes.expanded + node.some
     arrived = node.some & (node.x == 0) & (node.y == 0)

@@ -17,8 +17,8 @@ from usvkernels.search import pqueue
 from usvkernels.search.astar import (
     BLOCKED,
     NO_HEADING,
+    AstarQueries,
     Lanes,
-    Queries,
     base_of,
     expand,
     first_key,
@@ -54,7 +54,7 @@ class _Work:
     found: Found  # without its steps, which the lanes hold
 
 
-def search(static: AstarStatic, queries: Queries, lanes: int, chunk: int) -> Found:
+def search(static: AstarStatic, queries: AstarQueries, lanes: int, chunk: int) -> Found:
     """Answer queries 0 .. count - 1, in the order of the arguments.
 
     Args:
@@ -79,7 +79,7 @@ def _codes(maps: Array) -> Array:
     return jnp.where(maps, BLOCKED, ABSENT)
 
 
-def _idle(static: AstarStatic, sizes: Layout, queries: Queries) -> _Work:
+def _idle(static: AstarStatic, sizes: Layout, queries: AstarQueries) -> _Work:
     count, size = queries.starts.shape[0], sizes.size
     queues = pqueue.empty(sizes)
     if static.shared:
@@ -107,7 +107,7 @@ def _idle(static: AstarStatic, sizes: Layout, queries: Queries) -> _Work:
 
 
 def _worked(
-    static: AstarStatic, sizes: Layout, queries: Queries, work: _Work, chunk: int, fewer: int
+    static: AstarStatic, sizes: Layout, queries: AstarQueries, work: _Work, chunk: int, fewer: int
 ) -> _Work:
     """Work until all is done and written down, or until what is left fits into `fewer` lanes."""
     capacity = queries.starts.shape[0]
@@ -134,7 +134,7 @@ def _worked(
     return lax.while_loop(unfinished, turn, work)
 
 
-def _refilled(static: AstarStatic, sizes: Layout, queries: Queries, work: _Work) -> _Work:
+def _refilled(static: AstarStatic, sizes: Layout, queries: AstarQueries, work: _Work) -> _Work:
     """Write down the lanes that have ended, and give them the next queries."""
     lanes, found = work.lanes, work.found
     capacity = queries.starts.shape[0]
@@ -163,7 +163,7 @@ def _refilled(static: AstarStatic, sizes: Layout, queries: Queries, work: _Work)
 def _cleared(
     static: AstarStatic,
     sizes: Layout,
-    queries: Queries,
+    queries: AstarQueries,
     lanes: Lanes,
     order: Array,
     number: Array,
@@ -201,7 +201,7 @@ def _cleared(
 
 
 def _started(
-    static: AstarStatic, sizes: Layout, queries: Queries, lanes: Lanes, fresh: Array
+    static: AstarStatic, sizes: Layout, queries: AstarQueries, lanes: Lanes, fresh: Array
 ) -> Lanes:
     """The lanes, those that are `fresh` at the start of their query."""
     job = jnp.minimum(lanes.job, queries.starts.shape[0] - 1)

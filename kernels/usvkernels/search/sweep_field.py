@@ -43,7 +43,7 @@ def field(sweep: Sweep, packed: Array, sources: Array, groups: Array) -> Fields:
 
     Args:
       sweep: static.
-      packed: uint8[G or 1, words, lanes or 1], as of `Queries`.
+      packed: uint8[G or 1, words, lanes or 1], as of `SweepQueries`.
       sources: int32[G, K, lanes, 2], cells (x, y); negative ones are padding, blocked ones do
         not count.
       groups: int32[], how many groups to do; the rows of the others are zero.

@@ -30,7 +30,7 @@ from usvkernels.xla.stage import stage
 
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
-class Queries:
+class SweepQueries:
     """Groups of queries; G groups of as many as `Sweep.lanes`.
 
     Attributes:
@@ -68,7 +68,7 @@ class Routes:
     path: Array
 
 
-def solve(sweep: Sweep, cells: int, queries: Queries, groups: Array, leave: Array) -> Routes:
+def solve(sweep: Sweep, cells: int, queries: SweepQueries, groups: Array, leave: Array) -> Routes:
     """Find shortest paths.
 
     The result of a query does not depend on its lane, its group or on `leave`, unless it is

@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 from cruise_scenes import arguments
 
-from usvjax import planners
+from usvjax import memory, planners
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
 from usvjax.missions.cruise import CruiseParams, CruiseStatic, cruise, rounds, run
-from usvjax.search import inputs
 
 BLOCKED = np.zeros((3, 6, 7), bool)
 BLOCKED[1, 5, 0] = True
@@ -192,7 +191,7 @@ def test_default_steps_of_a_leg_are_as_many_as_fit(given: dict[str, Any], steps:
 
 @pytest.mark.parametrize("method", ["dstar_lite", "astar"])
 def test_more_cruises_than_memory_holds(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(inputs, "free_memory", lambda: 2**30)
+    monkeypatch.setattr(memory, "free_memory", lambda: 2**30)
     given = {"blocked": BLOCKED[0], "stations": STATIONS[0], "order": [0, 1, 2], "method": method}
     with pytest.raises(BadInputError, match=r"runs: 2000000000 cruises of 3 stations needs .* GiB"):
         sail(runs=2 * 10**9, **given)

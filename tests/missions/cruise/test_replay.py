@@ -14,10 +14,9 @@ from cruise_scenes import CRUISES, STATIONS, Scenes, assert_right, random_scenes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from usvjax import planners
+from usvjax import memory, planners
 from usvjax.errors import BadInputError
 from usvjax.missions.cruise import CruiseResult, rounds
-from usvjax.search import inputs
 from usvjax.search.astar import astar
 from usvkernels.status import Status
 
@@ -197,7 +196,7 @@ def test_blocks_of_rounds_do_not_matter(
 
 
 def test_rounds_of_too_large_maps(scenes: Scenes, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(inputs, "free_memory", lambda: 2**16)
+    monkeypatch.setattr(memory, "free_memory", lambda: 2**16)
     with pytest.raises(BadInputError, match=r"blocked: 64 cruises at once on 13 x 11 cells needs"):
         scenes.sail(method="astar")
 

@@ -7,8 +7,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.batches import bucket, few_sizes, filled, most_rows
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.missions.cruise.inputs import Expedition
-from usvjax.paths.blocks import QUICKLY_COMPILED, SIZES, bucket, in_blocks
 from usvkernels.cruise import following
 
 MOST_CELLS = 1 << 24  # of the maps in one call
@@ -77,27 +78,33 @@ def follow_paths(
     """
     height, width = expedition.shape
     room = bucket(max(followers.path.shape[1], LEAST_STEPS))
-    padded = np.minimum(np.arange(room), followers.path.shape[1] - 1)
-    path = (followers.path[..., 1] * width + followers.path[..., 0])[:, padded].astype(np.int32)
+    path = (followers.path[..., 1] * width + followers.path[..., 0]).astype(np.int32)
+    path = filled(path, room, axis=1)
     stations = expedition.stations @ np.array([1, width], np.int32)
-    most = max((n for n in SIZES if n * height * width <= MOST_CELLS), default=1)
 
-    def work(some: np.ndarray) -> tuple[jax.Array, ...]:
-        given = following.Orders(
-            path=path[some].T,
-            length=followers.length[some],
-            proven=followers.proven[some],
-            stations=stations[rows[some]].T,
-            seed=seeds[rows[some]].T,
-            rate=expedition.rate[rows[some]],
-            left=followers.left[some],
-            max_wait=jax.device_put(np.int32(expedition.max_wait)),
+    def work(some: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:
+        given = {
+            "path": path[some].T,
+            "length": followers.length[some],
+            "proven": followers.proven[some],
+            "stations": stations[rows[some]].T,
+            "seed": seeds[rows[some]].T,
+            "rate": expedition.rate[rows[some]],
+            "left": followers.left[some],
+            "max_wait": np.int32(expedition.max_wait),
+        }
+        fleet = (
+            followers.truth,
+            followers.known,
+            followers.step,
+            followers.waited,
+            followers.drawn,
         )
-        vessels = (followers.step[some], followers.waited[some], followers.drawn[some])
+        given, fleet = jax.device_put((given, tuple(a[some] for a in fleet)), device)
         how = (expedition.scope, expedition.window, expedition.corner_cutting)
-        return _follow(given, followers.truth[some], followers.known[some], *vessels, *how)
+        return _follow(following.Orders(**given), *fleet, *how)
 
-    return Halted(*in_blocks(work, len(rows), most))
+    return Halted(*few_sizes(len(rows), most_rows(height * width, MOST_CELLS)).arrays(work))
 
 
 @partial(jax.jit, static_argnums=(6, 7, 8), compiler_options=QUICKLY_COMPILED)

@@ -8,8 +8,9 @@ import numpy as np
 from usvjax.checks import positive, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
+from usvjax.memory import check_memory
 from usvjax.missions.cruise.params import check_params, check_static
-from usvjax.search.inputs import check_memory, search_maps
+from usvjax.search.inputs import search_maps
 from usvjax.search.replan_inputs import check_method, clipped_window
 from usvkernels.cruise.flips import BITS
 from usvkernels.search.dstar_layout import INFINITE, NONE

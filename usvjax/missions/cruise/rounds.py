@@ -7,11 +7,11 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.memory import check_memory
 from usvjax.missions.cruise.following import Followers, follow_paths
 from usvjax.missions.cruise.inputs import Expedition
 from usvjax.missions.cruise.voyages import Voyages, joined_moves, voyages_of
 from usvjax.search.astar import astar
-from usvjax.search.inputs import check_memory
 from usvkernels.cruise.following import Halt
 from usvkernels.cruise.sailing import STAY
 from usvkernels.status import Status

@@ -6,11 +6,11 @@ from functools import partial
 import jax
 import numpy as np
 
-from usvjax.devices import COMPILER_OPTIONS, chosen_devices, share_out
+from usvjax.batches import Batch, bucket, deal
+from usvjax.devices import COMPILER_OPTIONS, chosen_devices
+from usvjax.memory import check_memory
 from usvjax.missions.cruise.inputs import Expedition
 from usvjax.missions.cruise.voyages import Voyages, joined_moves, voyages_of
-from usvjax.paths.blocks import bucket
-from usvjax.search.inputs import check_memory
 from usvkernels.cruise import lanes as cruise_lanes
 from usvkernels.cruise.sailing import Cruises, SailingStatic
 from usvkernels.lanes import LEAST_LANES
@@ -87,11 +87,9 @@ def sail(
         expedition.legs * expedition.max_steps, layout.size if len(expedition.blocked) > 1 else 1
     )
     most = max(1, min(MOST_ROWS, MOST_NUMBERS // each))
-    per_device = -(-len(expedition) // (most * len(devices)))
-    count = min(len(expedition), per_device * len(devices))
-    parts = np.array_split(np.arange(len(expedition)), count)
+    parts = deal(np.arange(len(expedition)), most, len(devices))
     room = _room(task, len(parts[0]), len(devices))
-    found = list(share_out(partial(_sail_part, task, room), parts, devices))
+    found = Batch(parts, room.rows, devices).run(partial(_sail_part, task, room))
     busy, total = sum(logs[2] for logs in found), sum(logs[3] for logs in found)
     moves = joined_moves([logs[0] for logs in found])
     legs = np.concatenate([logs[1] for logs in found])
@@ -114,34 +112,33 @@ def _room(task: _Task, longest: int, devices: int) -> _Room:
 
 
 def _sail_part(
-    task: _Task, room: _Room, rows: np.ndarray, device: jax.Device
+    task: _Task, room: _Room, rows: np.ndarray, count: int, device: jax.Device
 ) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Moves uint8[rows, d * max_steps], legs int32[rows, d, 4], lane-iterations busy and total."""
     expedition = task.expedition
     cruises = Cruises(**jax.device_put(_arrays(task, room, rows), device))
-    logs = jax.device_get(_run(cruises, task.static, np.int32(len(rows)), room.moves, room.lanes))
+    logs = jax.device_get(_run(cruises, task.static, np.int32(count), room.moves, room.lanes))
     each = expedition.legs * expedition.max_steps
-    legs = logs.legs.reshape(-1, expedition.legs, 4)[: len(rows)]
+    legs = logs.legs.reshape(-1, expedition.legs, 4)[:count]
     used = max(int(legs[:, :, 1].max()), 1)  # most of the room for moves is never used
-    moves = logs.moves[: len(rows) * each].reshape(len(rows), each)[:, :used]
+    moves = logs.moves[: count * each].reshape(count, each)[:, :used]
     return moves, legs, float(logs.busy), float(logs.total)
 
 
 def _arrays(task: _Task, room: _Room, rows: np.ndarray) -> dict[str, np.ndarray]:
-    """The fields of `Cruises` for some of the rows; the last fills up the room."""
+    """The fields of `Cruises` for some of the rows."""
     expedition, layout = task.expedition, task.static.search.layout
-    filled = rows[np.minimum(np.arange(room.rows), len(rows) - 1)]
     shared = len(expedition.blocked) == 1
-    order = task.order[filled]
+    order = task.order[rows]
     round_trip = np.concatenate([order, order[:, :1]], axis=1)
-    stops = np.take_along_axis(expedition.stations[filled], round_trip[..., None], axis=1)
+    stops = np.take_along_axis(expedition.stations[rows], round_trip[..., None], axis=1)
     own = np.zeros(room.rows) if shared else np.arange(room.rows)
     return {
-        "blocked": layout.plane(expedition.blocked if shared else expedition.blocked[filled]),
+        "blocked": layout.plane(expedition.blocked if shared else expedition.blocked[rows]),
         "map_of": own.astype(np.int32),
         "stops": layout.index(stops).T,
-        "seed": task.seeds[filled].T,
-        "rate": expedition.rate[filled],
+        "seed": task.seeds[rows].T,
+        "rate": expedition.rate[rows],
         "max_steps": np.asarray(expedition.max_steps, np.int32),
         "max_wait": np.asarray(expedition.max_wait, np.int32),
         "gives_up": np.asarray(expedition.gives_up),

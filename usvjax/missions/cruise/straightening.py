@@ -6,9 +6,10 @@ from functools import partial
 import jax
 import numpy as np
 
+from usvjax.batches import bucket, few_sizes, filled, most_rows, sized
+from usvjax.devices import QUICKLY_COMPILED
 from usvjax.missions.cruise.inputs import Expedition
 from usvjax.missions.cruise.voyages import Voyages
-from usvjax.paths.blocks import QUICKLY_COMPILED, SIZES, bucket, in_blocks
 from usvkernels.cruise.straighten import Sailed, straighten
 from usvkernels.status import Status
 
@@ -40,28 +41,24 @@ def pulled_straight(expedition: Expedition, voyages: Voyages, seeds: np.ndarray)
       seeds: uint32[B, 2], of their flips.
     """
     room = bucket(max(voyages.track.shape[1], LEAST_STEPS), 4)
-    padded = np.minimum(np.arange(room), voyages.track.shape[1] - 1)
     stop = _stops(voyages)
     height, width = expedition.shape
-    most = max((n for n in SIZES if n * height * width <= MOST_CELLS), default=1)
 
-    def work(rows: np.ndarray) -> tuple[jax.Array]:
-        numbers = expedition.stations[rows] @ np.array([1, width], np.int32)
-        stops = np.zeros((len(rows), room), bool)
-        stops[:, : stop.shape[1]] = stop[rows]
-        sailed = Sailed(
-            blocked=expedition.blocked[expedition.layers(rows)],
-            track=voyages.track[rows][:, padded].transpose(1, 0, 2),
-            steps=voyages.steps[rows],
-            stop=jax.device_put(stops.T),
-            stations=numbers.T,
-            seed=seeds[rows].T,
-            rate=expedition.rate[rows],
-        )
+    def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array]:
+        arrays = {
+            "blocked": expedition.blocked[expedition.layers(rows)],
+            "track": filled(voyages.track[rows], room, axis=1).transpose(1, 0, 2),
+            "steps": voyages.steps[rows],
+            "stop": sized(stop[rows], room, axis=1).T,
+            "stations": (expedition.stations[rows] @ np.array([1, width], np.int32)).T,
+            "seed": seeds[rows].T,
+            "rate": expedition.rate[rows],
+        }
+        sailed = Sailed(**jax.device_put(arrays, device))
         kept = _straighten(sailed, expedition.scope, expedition.window, expedition.corner_cutting)
         return (kept.T,)
 
-    (kept,) = in_blocks(work, len(expedition), most)
+    (kept,) = few_sizes(len(expedition), most_rows(height * width, MOST_CELLS)).arrays(work)
     return _way_points(voyages.track, kept[:, : voyages.track.shape[1]])
 
 

@@ -2,18 +2,18 @@
 
 from dataclasses import dataclass, fields
 from functools import partial
-from threading import Lock
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.sharding import SingleDeviceSharding
 
+from usvjax.batches import Batch, bucket, deal_longest_first
 from usvjax.checks import whole_number
-from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices, share_out
+from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices
 from usvjax.missions.dwa.inputs import Scene, set_scene
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
+from usvjax.programs import Programs
 from usvkernels import lanes
 from usvkernels.dwa import episodes
 from usvkernels.dwa.episodes import Jobs, Outcome
@@ -25,8 +25,7 @@ JOBS_PER_LANE = 4  # at least, or lanes idle for want of a next job
 CHUNK = 8  # steps between two refills
 OPTIONS = COMPILER_OPTIONS | ONE_THREAD
 
-_tracing = Lock()
-_compiled: dict[tuple[Any, ...], Any] = {}  # a device's programs, by what they depend on
+_programs = Programs()
 
 
 @dataclass(frozen=True)
@@ -116,66 +115,25 @@ def _sail(
     max_lanes: int,
 ) -> NavigateResult:
     devices = chosen_devices()
-    blocks = _dealt(scene.expected_steps(params), len(devices), MOST_LANES if record else MOST_ROWS)
-    capacity = max(LEAST_LANES, 1 << (len(blocks[0]) - 1).bit_length())
+    most = MOST_LANES if record else MOST_ROWS
+    blocks = deal_longest_first(scene.expected_steps(params), most, len(devices))
+    capacity = bucket(max(LEAST_LANES, len(blocks[0])))
     width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
 
     swept = tuple(name for name, value in vars(params).items() if np.ndim(value))
     charted = scene.chart is not None
     program = (record, static, swept, charted, scene.sensed_shape, capacity, width)
 
-    def begin(rows: np.ndarray, device: jax.Device) -> tuple[Any, ...]:
-        # Rows past the last one repeat it: shapes stay those that are compiled already.
-        padded = rows[np.minimum(np.arange(capacity), len(rows) - 1)]
-        jobs, own = scene.rows(padded), _params_of(params, padded)
+    def begin(rows: np.ndarray, count: int, device: jax.Device) -> Any:
+        jobs, own = scene.rows(rows), _params_of(params, rows)
         if record:
-            return _on(device, program, _record, jobs, own, static=static)
-        count = np.int32(len(rows))
-        return _on(device, program, _run, jobs, own, count, static=static, width=width)
+            return _programs.run(program, device, _record, jobs, own, static=static)
+        arrays = (jobs, own, np.int32(count))
+        return _programs.run(program, device, _run, *arrays, static=static, width=width)
 
-    def work(rows: np.ndarray, device: jax.Device) -> tuple[Any, ...]:
-        return _on_host(begin(rows, device))
-
-    used = devices[: len(blocks)]
-    if len(blocks) == len(used) and all((*program, device) in _compiled for device in used):
-        # A device works while the next one's block begins: no threads that start, and wait for
-        # the interpreter, which takes 3 ms of a call.
-        results = list(map(_on_host, list(map(begin, blocks, used))))
-    else:
-        results = list(share_out(work, blocks, devices))
-    return _collect(results, blocks, scene, params, static)
-
-
-def _on(
-    device: jax.Device, program: tuple[Any, ...], kernel: Any, *arrays: Any, **static: Any
-) -> tuple[Any, ...]:
-    """Run a jitted kernel on a device; numpy arrays go there with the call, not before it."""
-    key = (*program, device)
-    if key not in _compiled:
-        there = partial(_shape_on, SingleDeviceSharding(device))
-        with _tracing:  # the first device traces for all
-            traced = kernel.trace(*jax.tree.map(there, arrays), **static)
-        _compiled[key] = traced.lower().compile()
-    return _compiled[key](*arrays)
-
-
-def _shape_on(device: SingleDeviceSharding, array: Any) -> jax.ShapeDtypeStruct:
-    return jax.ShapeDtypeStruct(array.shape, array.dtype, sharding=device)
-
-
-def _on_host(found: tuple[Any, ...]) -> tuple[Any, ...]:
-    return jax.tree.map(np.asarray, found)
-
-
-def _dealt(steps: np.ndarray, devices: int, most: int) -> list[np.ndarray]:
-    """Rows in blocks of at most `most`, as many for each device, all alike and longest first.
-
-    Work that is long and starts late is what a device ends with, in lanes of which most idle.
-    """
-    longest_first = np.argsort(-steps, kind="stable")
-    per_device = -(-len(steps) // (most * devices))
-    blocks = min(len(steps), per_device * devices)
-    return [longest_first[block::blocks] for block in range(blocks)]
+    batch = Batch(blocks, capacity, devices)
+    results = batch.run(begin, at_once=_programs.ready(program, devices[: len(blocks)]))
+    return _collect(results, batch, scene, params, static)
 
 
 def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
@@ -218,36 +176,30 @@ def _record(
 
 def _collect(
     results: list[tuple[Any, ...]],
-    blocks: list[np.ndarray],
+    batch: Batch,
     scene: Scene,
     params: DwaParams,
     static: DwaStatic,
 ) -> NavigateResult:
-    place = np.argsort(np.concatenate(blocks))  # of each episode among the results
-
-    def joined(parts: list[Any]) -> np.ndarray:
-        pairs = zip(parts, blocks, strict=True)
-        return np.concatenate([part[: len(rows)] for part, rows in pairs])[place]
-
     ends: list[Outcome] = [found[0] for found in results]
     usage: list[lanes.Usage] = [found[1] for found in results]
-    steps = joined([end.steps for end in ends])
-    length = joined([end.path_length for end in ends])
+    steps = batch.join([end.steps for end in ends])
+    length = batch.join([end.path_length for end in ends])
     time = (steps * np.asarray(params.dt, np.float64)).astype(np.float32)
     speed = np.divide(length, time, out=np.zeros_like(length), where=time > 0)
     trajectory = None
     if len(results[0]) > 2:
         most = int(steps.max()) + 1
-        trajectory = joined([found[2][:, :most] for found in results])
+        trajectory = batch.join([found[2][:, :most] for found in results])
         if scene.origin.any():
             trajectory = trajectory.astype(np.float64)
             trajectory[..., :2] += scene.origin
     return NavigateResult(
-        status=joined([end.status for end in ends]),
+        status=batch.join([end.status for end in ends]),
         time=time,
         path_length=length,
         mean_speed=speed,
-        min_clearance=joined([end.min_clearance for end in ends]),
+        min_clearance=batch.join([end.min_clearance for end in ends]),
         steps=steps,
         trajectory=trajectory,
         occupancy=sum(float(u.busy) for u in usage) / sum(float(u.total) for u in usage),

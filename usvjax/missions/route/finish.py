@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from usvjax.paths.blocks import bucket
+from usvjax.batches import bucket
 from usvjax.paths.smoothing import bspline, key_points, shorten
 from usvjax.paths.turns import smooth_turns
 from usvkernels.paths.turning import Turn

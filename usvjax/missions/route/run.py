@@ -10,10 +10,10 @@ from typing import NoReturn
 
 import numpy as np
 
+from usvjax.batches import filled
 from usvjax.errors import BadInputError
 from usvjax.missions.route.finish import FINISHES, Sailing
 from usvjax.missions.route.scenes import RouteScenes
-from usvjax.paths.blocks import padded_points
 from usvjax.paths.metrics import path_metrics
 from usvjax.search.astar import (
     LEAST_TURN_COST,
@@ -263,7 +263,7 @@ def finish_routes(
         safety_range=smoothing.safety_range,
         repair=smoothing.repair,
     )
-    cells = padded_points(found.path, 2)
+    cells = filled(found.path, 2, axis=1)
     line = FINISHES[METHODS[method].finish](cells, found.path_cells, sailing)
     status = found.status.copy()
     clearance = path_metrics(
