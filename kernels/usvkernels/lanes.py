@@ -56,7 +56,7 @@ class InPlace:
       refill: (state, int32[lanes] job numbers, bool[lanes] takes) -> state in which the lanes that
         `takes` are at the start of their job; numbers of others mean nothing. Called before every
         chunk, so a job that has stages may begin the next one here. The planes of lanes that begin
-        are best written one lane after the other, by a loop over those few.
+        are best written one lane after the other, by a loop over those few; see `those`.
       step: (state, log) -> (state, log), for all lanes; leaves finished lanes as they are.
       done, taken: as in `Program`; `taken` need not begin anew with each job.
       result: as in `Program`; nothing, where the log says it all.
@@ -318,6 +318,14 @@ def _advance(program: Program | InPlace, state: Tree, log: Tree, chunk: int) -> 
         return keep(program.done(state), state, program.step(state)), log
 
     return jax.lax.fori_loop(0, chunk, advance, (state, log))
+
+
+def those(mask: Array) -> tuple[Array, Array]:
+    """The lanes where `mask` bool[lanes]: their numbers, first in an int32[lanes]; how many."""
+    count = jnp.cumsum(mask, dtype=jnp.int32)
+    place = jnp.where(mask, count - 1, mask.shape[0])
+    lane = jnp.arange(mask.shape[0], dtype=jnp.int32)
+    return jnp.zeros_like(lane).at[place].set(lane, mode="drop"), count[-1]
 
 
 def keep(mask: Array, old: Tree, new: Tree) -> Tree:

@@ -141,6 +141,13 @@ def test_keep_chooses_per_lane() -> None:
     assert kept["same"] is old["same"]
 
 
+@pytest.mark.parametrize("mask", [[True, False, True, True], [False, False], [True]])
+def test_those_are_the_lanes_of_a_mask(mask: list[bool]) -> None:
+    order, number = lanes.those(jnp.array(mask))
+    np.testing.assert_array_equal(order[: int(number)], np.flatnonzero(mask))
+    assert order.shape == (len(mask),)
+
+
 # --- the same, where states hold planes that are written in place -----------------------------
 
 CELLS = 5
@@ -171,9 +178,9 @@ def filling(targets: np.ndarray) -> lanes.InPlace:
             fresh = jnp.broadcast_to(job[order[i]], CELLS)
             return jax.lax.dynamic_update_slice(plane, fresh, (order[i] * CELLS,))
 
-        order = jnp.argsort(~takes, stable=True).astype(jnp.int32)
+        order, number = lanes.those(takes)
         return Fill(
-            plane=jax.lax.fori_loop(0, jnp.sum(takes), begin, state.plane),
+            plane=jax.lax.fori_loop(0, number, begin, state.plane),
             job=jnp.where(takes, job, state.job),
             steps=jnp.where(takes, 0, state.steps),
             target=jnp.where(takes, wanted[job], state.target),

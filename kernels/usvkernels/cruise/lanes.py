@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from usvkernels.cruise.sailing import STAY, Cruises, CruiseStatic, Vessels, advance
-from usvkernels.lanes import InPlace
+from usvkernels.lanes import InPlace, those
 from usvkernels.search.dstar_layout import BLOCKED
 from usvkernels.search.dstar_search import begin_planes, first_key, idle_searches
 
@@ -142,8 +142,7 @@ def _begun(
             unseen = lax.dynamic_update_slice(unseen, plane, (lane * size,))
         return g, keys, bounds, unseen
 
-    order = jnp.argsort(~begins, stable=True).astype(jnp.int32)
+    order, number = those(begins)
     planes = (vessels.g, vessels.key, vessels.bounds, vessels.unseen)
-    count = jnp.sum(begins, dtype=jnp.int32)
-    g, keys, bounds, unseen = lax.fori_loop(0, count, begin, planes)
+    g, keys, bounds, unseen = lax.fori_loop(0, number, begin, planes)
     return replace(vessels, g=g, key=keys, bounds=bounds, unseen=unseen)

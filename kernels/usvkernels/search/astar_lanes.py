@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from usvkernels.lanes import InPlace
+from usvkernels.lanes import InPlace, those
 from usvkernels.search import pqueue
 from usvkernels.search.astar import (
     BLOCKED,
@@ -143,8 +143,7 @@ def _cleared(static: AstarStatic, queries: Queries, lanes: Lanes, takes: Array) 
         slabs = jnp.maximum(-(-(high - low) // slab), 0)
         return lax.fori_loop(0, slabs, wipe, keys), minima
 
-    order = jnp.argsort(~takes, stable=True).astype(jnp.int32)
-    number = jnp.sum(takes, dtype=jnp.int32)
+    order, number = those(takes)
     queues = lanes.queues
     keys, minima = lax.fori_loop(0, number, clear, (queues.keys, queues.minima))
     return replace(queues, keys=keys, minima=minima)

@@ -5,7 +5,7 @@ from functools import partial
 import jax.numpy as jnp
 from jax import Array, lax
 
-from usvkernels.lanes import InPlace
+from usvkernels.lanes import InPlace, those
 from usvkernels.search.dstar_layout import ReplanStatic
 from usvkernels.search.dstar_lite import Episodes, Lanes, advance
 from usvkernels.search.dstar_search import begin_planes, first_key, idle_searches
@@ -73,9 +73,9 @@ def _refilled(
             unseen = lax.dynamic_update_slice(unseen, jnp.zeros(size, bool), (lane * size,))
         return g, keys, bounds, unseen
 
-    order = jnp.argsort(~takes, stable=True).astype(jnp.int32)
+    order, number = those(takes)
     planes = (lanes.g, lanes.key, lanes.bounds, lanes.unseen)
-    g, keys, bounds, unseen = lax.fori_loop(0, jnp.sum(takes, dtype=jnp.int32), begin, planes)
+    g, keys, bounds, unseen = lax.fori_loop(0, number, begin, planes)
 
     def fresh(new: Array | int, old: Array) -> Array:
         return jnp.where(takes, new, old)
