@@ -1,8 +1,11 @@
-"""The driver for everything that ends early: searches, episodes, hunts.
+"""The driver for everything that ends early: searches, replanning, cruises, episodes, hunts.
 
 A fixed set of lanes works through a queue of jobs. Lanes advance together, a chunk of steps at
 a time; then those that finished write their result to its place in job order and take the next
 job. Without the refill every lane would wait for the slowest of its batch.
+
+What a lane does is a `Program`, whose small states are selected between, old or new; or, where
+states hold planes too large to be touched for a lane that goes on, a program `InPlace`.
 """
 
 from collections.abc import Callable
@@ -19,9 +22,6 @@ Tree = Any
 
 LEAST_LANES = 16
 """Lanes that just fill the processor's vectors; the last jobs run in blocks of so many."""
-
-NARROW_BELOW = 0.6
-"""Share of lanes at work below which blocks cost less: a lane's step is dearer in a block."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,36 @@ class Program:
     taken: Callable[[Tree], Array]
 
 
+@dataclass(frozen=True)
+class InPlace:
+    """What a lane does where states hold planes: written where they lie, never selected between.
+
+    A plane of k values per lane is flat in the last axis of a leaf, lane after lane: [lanes * k].
+    All functions are batched, and work for any number of lanes.
+
+    Attributes:
+      idle: number of lanes -> state in which all are done.
+      refill: (state, int32[lanes] job numbers, bool[lanes] takes) -> state in which the lanes that
+        `takes` are at the start of their job; numbers of others mean nothing. Called before every
+        chunk, so a job that has stages may begin the next one here. The planes of lanes that begin
+        are best written one lane after the other, by a loop over those few; see `those`.
+      step: (state, log) -> (state, log), for all lanes; leaves finished lanes as they are.
+      done, taken: as in `Program`; `taken` need not begin anew with each job.
+      result: as in `Program`; nothing, where the log says it all.
+      log: arrays that all lanes write to step by step, each to places of its job alone.
+      narrowing: how many times fewer lanes the last jobs get.
+    """
+
+    idle: Callable[[int], Tree]
+    refill: Callable[[Tree, Array, Array], Tree]
+    step: Callable[[Tree, Tree], tuple[Tree, Tree]]
+    done: Callable[[Tree], Array]
+    taken: Callable[[Tree], Array]
+    result: Callable[[Tree], Tree] = lambda _: ()
+    log: Tree = ()
+    narrowing: int = 4
+
+
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
 class Usage:
@@ -57,25 +87,43 @@ class Usage:
 @dataclass(frozen=True)
 class _Queue:
     state: Tree
+    log: Tree  # of all lanes
     job: Array  # int32[lanes], the job in each lane; n_jobs or more: idle
     next_job: Array  # int32, first job not yet given out
+    began: Array  # bool, whether a lane has just begun a job
     results: Tree  # [capacity, ...]
     usage: Usage
     waited: Array  # int32, chunks since a job last ended
 
 
+@dataclass(frozen=True)
+class _Plan:
+    """What `run` was asked for."""
+
+    program: Program | InPlace
+    n_jobs: Array
+    chunk: int
+    bound: int | None  # of chunks between two jobs' ends
+    refill: bool
+
+
 def run(
-    program: Program,
+    program: Program | InPlace,
     n_jobs: Array | int,
     *,
     capacity: int,
     lanes: int,
     chunk: int,
-    max_steps: int,
+    max_steps: int | None = None,
     refill: bool = True,
     narrow: bool = True,
 ) -> tuple[Tree, Usage]:
     """Run jobs 0 .. n_jobs - 1 and return their results in job order.
+
+    When the queue is empty and many lanes idle, the jobs under way are gathered in fewer of them:
+    lengths are heavy-tailed, and the last jobs would otherwise pay for all lanes. Small states
+    gather before every chunk, in blocks of lanes of which those without a job cost nothing.
+    Planes are moved once, as soon as what is left fits into `InPlace.narrowing` times fewer lanes.
 
     Args:
       program: what a lane does.
@@ -83,74 +131,102 @@ def run(
       capacity: rows of the result, static.
       lanes: jobs under way at a time, static.
       chunk: steps between two refills, static.
-      max_steps: steps after which any job is done, static; bounds the loop.
+      max_steps: steps after which any job is done, static; bounds the loop. None where the
+        program's own bounds end every job.
       refill: False gives out new jobs only when all lanes have finished (for comparison).
-      narrow: when the queue is empty and many lanes idle, gather the jobs under way in small blocks
-        of lanes; lengths are heavy-tailed, and the last jobs would otherwise pay for all lanes.
-        Compiles the step a second time, for that width.
+      narrow: whether to gather the last jobs; compiles the step a second time, for that width.
 
     Returns:
-      The results, leaves [capacity, ...] with rows from n_jobs on zero, and the lanes' usage.
+      The results, leaves [capacity, ...] with rows from n_jobs on zero, and the lanes' usage. Of a
+      program `InPlace` the first is a pair: the results, and its log.
     """
     n_jobs = jnp.asarray(n_jobs, jnp.int32)
-    job = jnp.arange(lanes, dtype=jnp.int32)
-    state = program.start(jnp.minimum(job, n_jobs - 1))
+    # Reached only if `done` never comes true: some job ends within the chunks of the longest.
+    bound = None if max_steps is None else -(-max_steps // chunk) + 1
+    plan = _Plan(program, n_jobs, chunk, bound, refill)
+    queue = _first(plan, lanes, capacity)
+    narrow &= refill
+    if isinstance(program, Program):
+        queue = _work(plan, queue, _few(lanes) if narrow else 0)
+        if narrow:
+            queue = _drain(plan, queue)
+        return queue.results, queue.usage
+    fewer = lanes // program.narrowing
+    narrow &= fewer >= LEAST_LANES
+    queue = _work(plan, queue, fewer if narrow else 0)
+    if narrow:
+        queue = _work(plan, _gathered(plan, queue, fewer), 0, give=False)
+    return (queue.results, queue.log), queue.usage
+
+
+def _few(lanes: int) -> int:
+    """Most lanes at work for which blocks cost less: a lane's step is dearer in a block."""
+    return -(-lanes * 3 // 5) - 1
+
+
+def _first(plan: _Plan, lanes: int, capacity: int) -> _Queue:
+    """The queue with a job in every lane, as long as there are any."""
+    program, job = plan.program, jnp.arange(lanes, dtype=jnp.int32)
+    number = jnp.minimum(job, plan.n_jobs - 1)
+    if isinstance(program, Program):
+        state, log = program.start(number), ()
+    else:
+        state, log = program.refill(program.idle(lanes), number, job < plan.n_jobs), program.log
     row = jax.eval_shape(program.result, state)
-    queue = _Queue(
+    return _Queue(
         state=state,
+        log=log,
         job=job,
         next_job=jnp.int32(lanes),
+        began=jnp.bool_(True),
         results=jax.tree.map(lambda a: jnp.zeros((capacity, *a.shape[1:]), a.dtype), row),
         usage=Usage(busy=jnp.float32(0), total=jnp.float32(0)),
         waited=jnp.int32(0),
     )
-    drain = narrow and refill
-    queue = _work(program, queue, n_jobs, chunk, max_steps, refill, to_the_end=not drain)
-    if drain:
-        queue = _drain(program, queue, n_jobs, chunk, max_steps)
-    return queue.results, queue.usage
 
 
-def _work(
-    program: Program,
-    queue: _Queue,
-    n_jobs: Array,
-    chunk: int,
-    max_steps: int,
-    refill: bool,
-    to_the_end: bool,
-) -> _Queue:
-    """Work in all lanes until the queue is empty and many of them idle, or to the very end."""
-    lanes = queue.job.shape[0]
-    # Reached only if `done` never comes true: some job ends within the chunks of the longest.
-    bound = -(-max_steps // chunk) + 1
+def _work(plan: _Plan, queue: _Queue, fewer: int, give: bool = True) -> _Queue:
+    """Work in all lanes until the queue is empty and at most `fewer` of them have a job."""
+    program, lanes = plan.program, queue.job.shape[0]
 
     def unfinished(queue: _Queue) -> Array:
-        busy = queue.job < n_jobs
-        wanted = jnp.any(busy) if to_the_end else jnp.sum(busy) >= NARROW_BELOW * lanes
-        return wanted & (queue.waited < bound)
+        wanted = jnp.sum(queue.job < plan.n_jobs) > fewer
+        if isinstance(program, InPlace):  # who has just begun may end before planes are moved
+            wanted |= queue.began
+        return wanted & _moving(plan, queue)
 
     def turn(queue: _Queue) -> _Queue:
-        state = _advance(program, queue.state, chunk)
-        ended = program.done(state) & (queue.job < n_jobs)
-        results = _written(queue.results, program.result(state), queue.job, ended)
-        take = ended if refill else ended & jnp.all(ended | (queue.job >= n_jobs))
-        given = queue.next_job + jnp.cumsum(take, dtype=jnp.int32) - 1
-        job = jnp.where(take, given, queue.job)
-        fresh = program.start(jnp.minimum(job, n_jobs - 1))
-        return _Queue(
-            state=keep(~take | (job >= n_jobs), state, fresh),
-            job=job,
-            next_job=queue.next_job + jnp.sum(take, dtype=jnp.int32),
-            results=results,
-            usage=_used(program, queue, state, n_jobs, chunk * lanes),
-            waited=jnp.where(jnp.any(ended), 0, queue.waited + 1),
-        )
+        state, log = _advance(program, queue.state, queue.log, plan.chunk)
+        queue = _ended(plan, queue, state, log, plan.chunk * lanes)
+        return _refilled(plan, queue, give)
 
     return jax.lax.while_loop(unfinished, turn, queue)
 
 
-def _drain(program: Program, queue: _Queue, n_jobs: Array, chunk: int, max_steps: int) -> _Queue:
+def _refilled(plan: _Plan, queue: _Queue, give: bool) -> _Queue:
+    """Idle lanes take the next jobs, as long as there are any; none if not to `give`."""
+    program = plan.program
+    free = queue.job >= plan.n_jobs
+    if not plan.refill:
+        free &= jnp.all(free)
+    given = queue.next_job + jnp.cumsum(free, dtype=jnp.int32) - 1
+    takes = free & (given < plan.n_jobs) if give else jnp.zeros_like(free)
+    job = jnp.where(takes, given, queue.job)
+    number = jnp.minimum(job, plan.n_jobs - 1)
+    if isinstance(program, Program):
+        state = keep(~takes, queue.state, program.start(number))
+    else:
+        state = program.refill(queue.state, number, takes)
+    return replace(
+        queue,
+        state=state,
+        job=job,
+        next_job=queue.next_job + jnp.sum(takes, dtype=jnp.int32),
+        began=jnp.any(takes),
+    )
+
+
+def _drain(plan: _Plan, queue: _Queue) -> _Queue:
     """Finish the jobs that are under way, a block of lanes after the other.
 
     Lengths are heavy-tailed. Blocks that hold no job cost nothing, and before each chunk the
@@ -161,35 +237,23 @@ def _drain(program: Program, queue: _Queue, n_jobs: Array, chunk: int, max_steps
     if lanes % width:
         idle = width - lanes % width
         state = jax.tree.map(lambda a: jnp.concatenate([a, a[..., :idle]], axis=-1), queue.state)
-        job = jnp.concatenate([queue.job, jnp.broadcast_to(n_jobs, idle)])
+        job = jnp.concatenate([queue.job, jnp.broadcast_to(plan.n_jobs, idle)])
         queue = replace(queue, state=state, job=job)
-    bound = -(-max_steps // chunk) + 1
 
     def unfinished(queue: _Queue) -> Array:
-        return jnp.any(queue.job < n_jobs) & (queue.waited < bound)
+        return jnp.any(queue.job < plan.n_jobs) & _moving(plan, queue)
 
     def turn(queue: _Queue) -> _Queue:
-        order = jnp.argsort(queue.job >= n_jobs, stable=True)
-        gathered = jax.tree.map(lambda leaf: jnp.take(leaf, order, axis=-1), queue.state)
-        queue = replace(queue, state=gathered, job=queue.job[order])
-        job = queue.job
-        blocks = -(-jnp.sum(job < n_jobs, dtype=jnp.int32) // width)
+        queue = _gathered(plan, queue, queue.job.shape[0])
+        blocks = -(-jnp.sum(queue.job < plan.n_jobs, dtype=jnp.int32) // width)
 
         def advance(block: Array, state: Tree) -> Tree:
             part = jax.tree.map(lambda leaf: _block(leaf, block, width), state)
-            part = _advance(program, part, chunk)
+            part, _ = _advance(plan.program, part, (), plan.chunk)
             return jax.tree.map(partial(_put_block, block=block), state, part)
 
         state = jax.lax.fori_loop(0, blocks, advance, queue.state)
-        ended = program.done(state) & (job < n_jobs)
-        return _Queue(
-            state=state,
-            job=jnp.where(ended, n_jobs, job),
-            next_job=queue.next_job,
-            results=_written(queue.results, program.result(state), job, ended),
-            usage=_used(program, queue, state, n_jobs, blocks * chunk * width),
-            waited=jnp.where(jnp.any(ended), 0, queue.waited + 1),
-        )
+        return _ended(plan, queue, state, queue.log, blocks * plan.chunk * width)
 
     return jax.lax.while_loop(unfinished, turn, queue)
 
@@ -203,11 +267,70 @@ def _put_block(leaf: Array, part: Array, block: Array) -> Array:
     return jax.lax.dynamic_update_slice_in_dim(leaf, part, at, axis=-1)
 
 
-def _written(results: Tree, rows: Tree, job: Array, ended: Array) -> Tree:
-    """Results with the rows of the jobs that ended at their places."""
-    capacity = jax.tree.leaves(results)[0].shape[0]
-    place = jnp.where(ended, job, capacity)
-    return jax.tree.map(lambda out, new: out.at[place].set(new, mode="drop"), results, rows)
+def _gathered(plan: _Plan, queue: _Queue, count: int) -> _Queue:
+    """The first `count` lanes, those that have a job before the others."""
+    lanes = queue.job.shape[0]
+    chosen = jnp.argsort(queue.job >= plan.n_jobs, stable=True)[:count]
+
+    def pick(leaf: Array) -> Array:
+        if leaf.shape[-1] == lanes:
+            return jnp.take(leaf, chosen, axis=-1)
+        planes = leaf.reshape(*leaf.shape[:-1], lanes, leaf.shape[-1] // lanes)
+        return jnp.take(planes, chosen, axis=-2).reshape(*leaf.shape[:-1], -1)
+
+    return replace(queue, state=jax.tree.map(pick, queue.state), job=queue.job[chosen])
+
+
+def _moving(plan: _Plan, queue: _Queue) -> Array:
+    """Whether jobs still end now and then; bool[]."""
+    return jnp.bool_(True) if plan.bound is None else queue.waited < plan.bound
+
+
+def _ended(plan: _Plan, queue: _Queue, state: Tree, log: Tree, executed: Array | int) -> _Queue:
+    """The queue after `executed` lane-steps that led to `state`, with what they finished noted."""
+    program, job = plan.program, queue.job
+    ended = program.done(state) & (job < plan.n_jobs)
+    rows = program.result(state)
+
+    def written(out: Array, new: Array) -> Array:
+        return out.at[jnp.where(ended, job, out.shape[0])].set(new, mode="drop")
+
+    advanced = program.taken(state) - program.taken(queue.state)
+    busy = jnp.sum(jnp.where(job < plan.n_jobs, advanced, 0))
+    return replace(
+        queue,
+        state=state,
+        log=log,
+        job=jnp.where(ended, plan.n_jobs, job),
+        results=jax.tree.map(written, queue.results, rows),
+        usage=Usage(busy=queue.usage.busy + busy, total=queue.usage.total + executed),
+        waited=jnp.where(jnp.any(ended), 0, queue.waited + 1),
+    )
+
+
+def _advance(program: Program | InPlace, state: Tree, log: Tree, chunk: int) -> tuple[Tree, Tree]:
+    """Advance all lanes by a chunk."""
+
+    def advance(_: Array, carry: tuple[Tree, Tree]) -> tuple[Tree, Tree]:
+        if isinstance(program, InPlace):
+            return program.step(*carry)
+        state, log = carry
+        return keep(program.done(state), state, program.step(state)), log
+
+    return jax.lax.fori_loop(0, chunk, advance, (state, log))
+
+
+def those(mask: Array) -> tuple[Array, Array]:
+    """The lanes where `mask` bool[lanes]: their numbers, first in an int32[lanes]; how many."""
+    count = jnp.cumsum(mask, dtype=jnp.int32)
+    place = jnp.where(mask, count - 1, mask.shape[0])
+    lane = jnp.arange(mask.shape[0], dtype=jnp.int32)
+    return jnp.zeros_like(lane).at[place].set(lane, mode="drop"), count[-1]
+
+
+def keep(mask: Array, old: Tree, new: Tree) -> Tree:
+    """Per lane: the old state where `mask` bool[lanes], else the new one."""
+    return jax.tree.map(lambda a, b: a if a is b else jnp.where(mask, a, b), old, new)
 
 
 def record(
@@ -234,26 +357,3 @@ def record(
     last, seen = jax.lax.scan(advance, first, None, length=steps)
     seen = jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), observe(first), seen)
     return program.result(last), seen
-
-
-def keep(mask: Array, old: Tree, new: Tree) -> Tree:
-    """Per lane: the old state where `mask` bool[lanes], else the new one."""
-    return jax.tree.map(lambda a, b: a if a is b else jnp.where(mask, a, b), old, new)
-
-
-def _advance(program: Program, state: Tree, chunk: int) -> Tree:
-    """Advance all lanes by a chunk."""
-
-    def advance(_: Array, state: Tree) -> Tree:
-        return keep(program.done(state), state, program.step(state))
-
-    return jax.lax.fori_loop(0, chunk, advance, state)
-
-
-def _used(
-    program: Program, queue: _Queue, state: Tree, n_jobs: Array, executed: Array | int
-) -> Usage:
-    """The usage after `executed` lane-steps that led from the queue's state to `state`."""
-    advanced = program.taken(state) - program.taken(queue.state)
-    busy = jnp.sum(jnp.where(queue.job < n_jobs, advanced, 0))
-    return Usage(busy=queue.usage.busy + busy, total=queue.usage.total + executed)

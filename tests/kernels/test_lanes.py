@@ -141,6 +141,152 @@ def test_keep_chooses_per_lane() -> None:
     assert kept["same"] is old["same"]
 
 
+@pytest.mark.parametrize("mask", [[True, False, True, True], [False, False], [True]])
+def test_those_are_the_lanes_of_a_mask(mask: list[bool]) -> None:
+    order, number = lanes.those(jnp.array(mask))
+    np.testing.assert_array_equal(order[: int(number)], np.flatnonzero(mask))
+    assert order.shape == (len(mask),)
+
+
+# --- the same, where states hold planes that are written in place -----------------------------
+
+CELLS = 5
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class Fill:
+    """Adds the number of each step to one cell after the other of a plane."""
+
+    plane: jax.Array  # int32[lanes * CELLS]
+    job: jax.Array  # int32[lanes], and so are all below
+    steps: jax.Array
+    target: jax.Array
+    taken: jax.Array
+
+
+def filling(targets: np.ndarray) -> lanes.InPlace:
+    """Job j takes targets[j] steps on a plane that is j at first, and logs each of them once."""
+    wanted = jnp.asarray(targets, jnp.int32)
+
+    def idle(count: int) -> Fill:
+        zero = jnp.zeros(count, jnp.int32)
+        return Fill(jnp.full(count * CELLS, -7, jnp.int32), zero, zero, zero, zero)
+
+    def refill(state: Fill, job: jax.Array, takes: jax.Array) -> Fill:
+        def begin(i: jax.Array, plane: jax.Array) -> jax.Array:
+            fresh = jnp.broadcast_to(job[order[i]], CELLS)
+            return jax.lax.dynamic_update_slice(plane, fresh, (order[i] * CELLS,))
+
+        order, number = lanes.those(takes)
+        return Fill(
+            plane=jax.lax.fori_loop(0, number, begin, state.plane),
+            job=jnp.where(takes, job, state.job),
+            steps=jnp.where(takes, 0, state.steps),
+            target=jnp.where(takes, wanted[job], state.target),
+            taken=state.taken,
+        )
+
+    def step(state: Fill, log: jax.Array) -> tuple[Fill, jax.Array]:
+        works = state.steps < state.target
+        lane = jnp.arange(len(works), dtype=jnp.int32)
+        cell = jnp.where(works, lane * CELLS + state.steps % CELLS, len(state.plane))
+        place = jnp.where(works, state.job * MAX_STEPS + state.steps, log.size)
+        plane = state.plane.at[cell].add(state.steps, mode="drop")
+        log = log.at[place].add(1 + state.job, mode="drop")
+        steps, taken = state.steps + works, state.taken + works
+        return Fill(plane, state.job, steps, state.target, taken), log
+
+    return lanes.InPlace(
+        idle=idle,
+        refill=refill,
+        step=step,
+        done=lambda state: state.steps >= state.target,
+        taken=lambda state: state.taken,
+        result=lambda state: state.plane.reshape(-1, CELLS),
+        log=jnp.zeros(len(targets) * MAX_STEPS, jnp.int32),
+    )
+
+
+def filled(targets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Planes int[n, CELLS] and logs int[n, MAX_STEPS] of the jobs, one after the other."""
+    planes = np.zeros((len(targets), CELLS), int)
+    logs = np.zeros((len(targets), MAX_STEPS), int)
+    for job, target in enumerate(targets):
+        planes[job] = job
+        np.add.at(planes[job], np.arange(target) % CELLS, np.arange(target))
+        logs[job, :target] = 1 + job
+    return planes, logs
+
+
+@pytest.mark.parametrize("refill", [True, False])
+@pytest.mark.parametrize(
+    ("n_jobs", "width", "chunk", "narrow"),
+    [
+        (300, 64, 7, True),
+        (300, 64, 7, False),
+        (300, 80, 1, True),
+        (300, 8, 3, True),
+        (3, 64, 5, True),
+    ],
+)
+def test_planes_are_written_in_place(
+    n_jobs: int, width: int, chunk: int, narrow: bool, refill: bool
+) -> None:
+    targets = heavy_tailed(300)
+    run = jax.jit(
+        lambda n: lanes.run(
+            filling(targets),
+            n,
+            capacity=300,
+            lanes=width,
+            chunk=chunk,
+            refill=refill,
+            narrow=narrow,
+        )
+    )
+    (planes, log), usage = run(n_jobs)
+    want_planes, want_log = filled(targets)
+    want_planes[n_jobs:], want_log[n_jobs:] = 0, 0
+    np.testing.assert_array_equal(planes, want_planes)
+    # Every step of every job is logged, and counted, exactly once.
+    np.testing.assert_array_equal(log, want_log.reshape(-1))
+    assert int(usage.busy) == targets[:n_jobs].sum()
+    assert int(usage.busy) <= int(usage.total)
+
+
+def test_the_last_planes_move_into_fewer_lanes() -> None:
+    targets = np.full(64, 2)
+    targets[[1, 40]] = MAX_STEPS
+    widths: list[int] = []
+    total = {}
+    for narrow in (True, False):
+        program = filling(targets)
+
+        def step(
+            state: Fill, log: jax.Array, own: lanes.InPlace = program
+        ) -> tuple[Fill, jax.Array]:
+            widths.append(len(state.job))
+            return own.step(state, log)
+
+        seen = lanes.InPlace(**{**vars(program), "step": step})
+        (planes, _), usage = lanes.run(seen, 64, capacity=64, lanes=64, chunk=2, narrow=narrow)
+        np.testing.assert_array_equal(planes, filled(targets)[0])
+        assert set(widths) == ({64, 64 // program.narrowing} if narrow else {64})
+        widths.clear()
+        total[narrow] = int(usage.total)
+    # One turn in all lanes (of which two have work left after it), the rest in a quarter of them.
+    rest = MAX_STEPS - 2
+    assert total == {True: 64 * 2 + 16 * rest, False: 64 * MAX_STEPS}
+
+
+def test_planes_of_jobs_that_never_end_are_given_up() -> None:
+    program = filling(np.arange(40))
+    never = lanes.InPlace(**{**vars(program), "done": lambda state: state.steps < 0})
+    _, usage = lanes.run(never, 40, capacity=40, lanes=16, chunk=8, max_steps=MAX_STEPS)
+    assert float(usage.total) <= 2 * 16 * (MAX_STEPS + 16)
+
+
 # --- episodes ---------------------------------------------------------------------------------
 
 N_EPISODES = 1200

@@ -15,7 +15,7 @@ from usvjax.memory import check_memory
 from usvjax.search import sweeping
 from usvjax.search.inputs import SearchScene, check_options, search_scene
 from usvjax.search.paths import TracedPaths, check_paths, trace, turning_of
-from usvkernels.lanes import LEAST_LANES
+from usvkernels.lanes import LEAST_LANES, run
 from usvkernels.search import astar_costs, astar_lanes, pqueue
 from usvkernels.search.astar import AstarQueries
 from usvkernels.search.astar_costs import HEURISTICS, STRAIGHT, AstarStatic
@@ -282,12 +282,12 @@ def _search(
             "go": np.bool_(True),
         }
         queries = AstarQueries(**jax.device_put(arrays, device))
-        found = _run(queries, static, plan.lanes)
+        found, entered = _run(queries, static, plan.lanes)
         status, expanded, end = (
             np.asarray(leaf)[:count] for leaf in (found.status, found.expanded, found.end)
         )
         arrived = np.flatnonzero(status == Status.FOUND)
-        steps = np.asarray(found.steps).reshape(capacity, plan.size)
+        steps = np.asarray(entered).reshape(capacity, plan.size)
         paths = trace(static, steps, arrived, end[arrived])
         return _Block(rows[:count], status, expanded, paths)
 
@@ -295,8 +295,12 @@ def _search(
 
 
 @partial(jax.jit, static_argnames=("static", "lanes"), compiler_options=COMPILER_OPTIONS)
-def _run(queries: AstarQueries, static: AstarStatic, lanes: int) -> astar_lanes.Found:
-    return astar_lanes.search(static, queries, lanes, CHUNK)
+def _run(
+    queries: AstarQueries, static: AstarStatic, lanes: int
+) -> tuple[astar_lanes.Found, jax.Array]:
+    rows = queries.starts.shape[0]
+    program = astar_lanes.program(static, queries)
+    return run(program, queries.count, capacity=rows, lanes=lanes, chunk=CHUNK)[0]
 
 
 @dataclass(frozen=True)

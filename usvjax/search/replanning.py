@@ -19,7 +19,7 @@ from usvjax.search.replan_inputs import (
     flip_table,
     repeated,
 )
-from usvkernels.lanes import LEAST_LANES
+from usvkernels.lanes import LEAST_LANES, Usage, run
 from usvkernels.search import dstar_lanes
 from usvkernels.search.dstar_layout import INFINITE, Layout, ReplanStatic
 from usvkernels.search.dstar_lite import GAVE_UP, Episodes
@@ -204,11 +204,11 @@ def _sail_part(
     """Sail some of the rows on one device; int32[rows, T + 1, 3] and lane-iterations."""
     steps = task.flips.shape[1]
     episodes = Episodes(**jax.device_put(_arrays(task, room, rows, count), device))
-    records, busy, total = jax.device_get(
+    records, usage = jax.device_get(
         _run(episodes, task.static, np.int32(count), room.records, room.lanes)
     )
     records = records[: count * (steps + 1)]
-    return records.reshape(count, steps + 1, 3), float(busy), float(total)
+    return records.reshape(count, steps + 1, 3), float(usage.busy), float(usage.total)
 
 
 def _arrays(task: _Task, room: _Room, rows: np.ndarray, count: int) -> dict[str, np.ndarray]:
@@ -232,8 +232,11 @@ def _arrays(task: _Task, room: _Room, rows: np.ndarray, count: int) -> dict[str,
 )
 def _run(
     episodes: Episodes, static: ReplanStatic, count: jax.Array, capacity: int, lanes: int
-) -> tuple[jax.Array, jax.Array, jax.Array]:
-    return dstar_lanes.run(static, episodes, count, capacity=capacity, lanes=lanes, chunk=CHUNK)
+) -> tuple[jax.Array, Usage]:
+    program = dstar_lanes.program(static, episodes, capacity)
+    rows = episodes.start.shape[0]
+    (_, records), usage = run(program, count, capacity=rows, lanes=lanes, chunk=CHUNK)
+    return records, usage
 
 
 def _collected(

@@ -1,6 +1,6 @@
-"""Cruises through a fixed set of lanes; a lane goes on to its next leg, or to the next cruise."""
+"""Cruises as a program for the lanes; a lane goes on to its next leg, or to the next cruise."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import jax
@@ -8,19 +8,14 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from usvkernels.cruise.sailing import STAY, Cruises, SailingStatic, Vessels, advance
-from usvkernels.lanes import LEAST_LANES
+from usvkernels.lanes import InPlace, those
 from usvkernels.search.dstar_layout import BLOCKED
 from usvkernels.search.dstar_search import begin_planes, first_key, idle_searches
-
-NARROWING = 4
-"""How many times fewer lanes the last cruises get: their lengths are heavy-tailed."""
-
-_PLANES = ("g", "key", "unseen")  # flat, lanes one after the other
 
 
 @partial(jax.tree_util.register_dataclass)
 @dataclass(frozen=True)
-class Logs:
+class Log:
     """What came of the cruises.
 
     Attributes:
@@ -29,102 +24,45 @@ class Logs:
       legs: int32[n * d, 4], of leg i of cruise j in row j * d + i: `Status` (REACHED, UNREACHABLE
         where its stop was given up, TIMED_OUT, OUT_OF_BUDGET; 0 where it did not begin), step of
         the cruise at its end, cells expanded in it, steps in which cells were.
-      busy: float32, lane-iterations that advanced a cruise.
-      total: float32, all of them.
     """
 
     moves: Array
     legs: Array
-    busy: Array
-    total: Array
 
 
-@partial(jax.tree_util.register_dataclass)
-@dataclass(frozen=True)
-class _Queue:
-    vessels: Vessels
-    next_job: Array  # int32, first cruise not yet given out
-    logs: Logs
+def program(static: SailingStatic, cruises: Cruises, capacity: int) -> InPlace:
+    """Cruises as a program for `lanes.run`.
 
-
-def run(
-    static: SailingStatic,
-    cruises: Cruises,
-    n_jobs: Array | int,
-    *,
-    capacity: int,
-    lanes: int,
-    chunk: int,
-) -> Logs:
-    """Sail cruises 0 .. n_jobs - 1.
+    Every iteration counts towards a bound on its lane's step, and steps towards one on its leg,
+    so a cruise ends.
 
     Args:
       static: choices of method.
       cruises: n of them.
-      n_jobs: how many are real; may be traced.
-      capacity: of moves, static; n_jobs * d * max_steps at least, less than
-        `dstar_search.NOWHERE`.
-      lanes: under way at a time, static.
-      chunk: iterations between two refills, static.
+      capacity: of moves, static; n * d * max_steps at least, less than `dstar_search.NOWHERE`.
+
+    Returns:
+      The program, without results; what comes of the cruises is its `Log`.
     """
-    n_jobs = jnp.asarray(n_jobs, jnp.int32)
     stops, n = cruises.stops.shape
-    logs = Logs(
-        moves=jnp.full(capacity, STAY, jnp.uint8),
-        legs=jnp.zeros((n * (stops - 1), 4), jnp.int32),
-        busy=jnp.float32(0),
-        total=jnp.float32(0),
-    )
-    queue = _Queue(_idle(static, stops, lanes), jnp.int32(0), logs)
-    work = partial(_work, static, cruises, n_jobs, chunk)
-    narrower = lanes // NARROWING
-    if narrower < LEAST_LANES:
-        return work(0, queue).logs
-    queue = work(narrower, queue)
-    return work(0, replace(queue, vessels=_gathered(queue.vessels, narrower))).logs
 
-
-def _work(
-    static: SailingStatic, cruises: Cruises, n_jobs: Array, chunk: int, fewer: int, queue: _Queue
-) -> _Queue:
-    """Work until nothing is left, or until what is left fits into `fewer` lanes.
-
-    Every iteration counts towards a bound on its lane's step, and steps towards one on its leg,
-    so this ends.
-    """
-
-    def unfinished(queue: _Queue) -> Array:
-        left = jnp.sum(~queue.vessels.over, dtype=jnp.int32)
-        return (left > fewer) | (queue.next_job < n_jobs)
-
-    def turn(queue: _Queue) -> _Queue:
-        queue = _refilled(static, cruises, n_jobs, queue)
-        vessels, logs = lax.fori_loop(0, chunk, iterate, (queue.vessels, queue.logs))
-        total = logs.total + chunk * vessels.job.shape[0]
-        return replace(queue, vessels=vessels, logs=replace(logs, total=total))
-
-    def iterate(_: Array, carry: tuple[Vessels, Logs]) -> tuple[Vessels, Logs]:
-        vessels, logs = carry
-        busy = logs.busy + jnp.sum(vessels.live, dtype=jnp.int32)
+    def step(vessels: Vessels, log: Log) -> tuple[Vessels, Log]:
         vessels, now = advance(static, cruises, vessels)
-        moves = logs.moves.at[now.move_place].set(now.move, mode="drop", unique_indices=True)
-        legs = logs.legs.at[now.leg_place].set(now.leg, mode="drop", unique_indices=True)
-        return vessels, replace(logs, moves=moves, legs=legs, busy=busy)
+        moves = log.moves.at[now.move_place].set(now.move, mode="drop", unique_indices=True)
+        legs = log.legs.at[now.leg_place].set(now.leg, mode="drop", unique_indices=True)
+        return vessels, Log(moves, legs)
 
-    return lax.while_loop(unfinished, turn, queue)
-
-
-def _gathered(vessels: Vessels, count: int) -> Vessels:
-    """The lanes whose cruise is not over, at most `count`, and few of the others."""
-    lanes = vessels.job.shape[0]
-    chosen = jnp.argsort(vessels.over, stable=True)[:count]
-
-    def pick(name: str, leaf: Array) -> Array:
-        if name in _PLANES:
-            return leaf.reshape(lanes, -1)[chosen].reshape(-1)
-        return leaf[..., chosen]
-
-    return Vessels(**{f.name: pick(f.name, getattr(vessels, f.name)) for f in fields(Vessels)})
+    return InPlace(
+        idle=partial(_idle, static, stops),
+        refill=partial(_refilled, static, cruises),
+        step=step,
+        done=lambda vessels: vessels.over,
+        taken=lambda vessels: vessels.taken,
+        log=Log(
+            moves=jnp.full(capacity, STAY, jnp.uint8),
+            legs=jnp.zeros((n * (stops - 1), 4), jnp.int32),
+        ),
+    )
 
 
 def _idle(static: SailingStatic, stops: int, lanes: int) -> Vessels:
@@ -142,21 +80,20 @@ def _idle(static: SailingStatic, stops: int, lanes: int) -> Vessels:
     )
 
 
-def _refilled(static: SailingStatic, cruises: Cruises, n_jobs: Array, queue: _Queue) -> _Queue:
-    """Lanes whose leg has ended begin the next; those whose cruise has, the next cruise."""
-    vessels = queue.vessels
-    free = ~vessels.live & vessels.over
-    job = queue.next_job + jnp.cumsum(free, dtype=jnp.int32) - 1
-    takes = free & (job < n_jobs)
+def _refilled(
+    static: SailingStatic, cruises: Cruises, vessels: Vessels, job: Array, takes: Array
+) -> Vessels:
+    """Lanes whose leg has ended begin the next; those that take a cruise, its first."""
     job = jnp.where(takes, job, vessels.job)
+    onward = ~vessels.live & ~vessels.over
 
     def fresh(new: Array | int, old: Array) -> Array:
         return jnp.where(takes, new, old)
 
     stops = fresh(cruises.stops[:, job], vessels.stops)
-    leg = fresh(1, vessels.leg + (~vessels.live & ~vessels.over))
+    leg = fresh(1, vessels.leg + onward)
     here = fresh(stops[0], vessels.here)
-    begins = takes | (~vessels.live & ~vessels.over)
+    begins = takes | onward
     goal = jnp.where(begins, jnp.take_along_axis(stops, leg[None], axis=0)[0], vessels.goal)
     vessels = replace(
         vessels,
@@ -180,9 +117,7 @@ def _refilled(static: SailingStatic, cruises: Cruises, n_jobs: Array, queue: _Qu
         spent=jnp.where(begins, 0, vessels.spent),
         plans=jnp.where(begins, 0, vessels.plans),
     )
-    vessels = _begun(static, cruises, vessels, takes, begins)
-    next_job = queue.next_job + jnp.sum(takes, dtype=jnp.int32)
-    return replace(queue, vessels=vessels, next_job=next_job)
+    return _begun(static, cruises, vessels, takes, begins)
 
 
 def _begun(
@@ -207,8 +142,7 @@ def _begun(
             unseen = lax.dynamic_update_slice(unseen, plane, (lane * size,))
         return g, keys, bounds, unseen
 
-    order = jnp.argsort(~begins, stable=True).astype(jnp.int32)
+    order, number = those(begins)
     planes = (vessels.g, vessels.key, vessels.bounds, vessels.unseen)
-    count = jnp.sum(begins, dtype=jnp.int32)
-    g, keys, bounds, unseen = lax.fori_loop(0, count, begin, planes)
+    g, keys, bounds, unseen = lax.fori_loop(0, number, begin, planes)
     return replace(vessels, g=g, key=keys, bounds=bounds, unseen=unseen)

@@ -34,7 +34,7 @@ from usvkernels.xla.stage import stage
 BLOCKED = np.int32(2**31 - 1)
 
 NO_HEADING = 64
-"""In `Lanes.steps`: the start, which was entered from nowhere."""
+"""How a state was entered: the start, from nowhere."""
 
 _INSIDE = "promise_in_bounds"
 
@@ -60,8 +60,7 @@ class Lanes:
     """The searches under way."""
 
     queues: Queues
-    steps: Array  # uint8[B * size], how a state was entered: direction, 8 times the turn
-    job: Array  # int32[lanes], the query in each lane; B where there is none
+    job: Array  # int32[lanes], the query in each lane
     status: Array  # int32[lanes], `Status`, RUNNING while a lane searches
     expanded: Array  # int32[lanes]
     end: Array  # int32[lanes], the state expanded last
@@ -96,19 +95,32 @@ def base_of(static: AstarStatic, h: Array) -> Array:
     return h if static.consistent else jnp.zeros_like(h)
 
 
-def expand(static: AstarStatic, sizes: Layout, queries: AstarQueries, lanes: Lanes) -> Lanes:
-    """Expand one cell in every lane that searches."""
+def expand(
+    static: AstarStatic, sizes: Layout, queries: AstarQueries, lanes: Lanes, steps: Array
+) -> tuple[Lanes, Array]:
+    """Expand one cell in every lane that searches.
+
+    Args:
+      static: what is searched for.
+      sizes: of the lanes' queues.
+      queries: all queries.
+      lanes: the searches under way.
+      steps: uint8[B * size], how each state was entered: direction, 8 times the turn.
+
+    Returns:
+      The lanes, and the steps with those entered now.
+    """
     go, queues = queries.go, lanes.queues
     least = pqueue.least(sizes, queues, go)
     node = stage(go, lambda: _node(static, lanes, least))
     lane = jnp.arange(sizes.lanes, dtype=jnp.int32)
     index = stage(go, lambda: lane * sizes.size + node.around)
     seen = queues.keys.at[index].get(mode=_INSIDE)
-    g, heading = _entered(static, sizes, queries, lanes, node, least)
+    g, heading = _entered(static, sizes, queries, lanes, steps, node, least)
     values, better, turned, cut = stage(
         go, lambda: _offered(static, queries, lanes, node, seen, least.key, g, heading)
     )
-    steps = _noted(static, sizes, go, lanes, node, better, turned)
+    steps = _noted(static, sizes, go, lanes, steps, node, better, turned)
     queues = pqueue.replace(sizes, queues, go, least, node.some, node.around, values)
 
     def progress() -> tuple[Array, ...]:
@@ -120,10 +132,9 @@ def expand(static: AstarStatic, sizes: Layout, queries: AstarQueries, lanes: Lan
         return status, expanded, end, lowest, highest, lanes.cut | cut
 
     status, expanded, end, lowest, highest, was_cut = stage(go, progress)
-    return replace(
+    lanes = replace(
         lanes,
         queues=queues,
-        steps=steps,
         status=status,
         expanded=expanded,
         end=end,
@@ -131,6 +142,7 @@ def expand(static: AstarStatic, sizes: Layout, queries: AstarQueries, lanes: Lan
         highest=highest,
         cut=was_cut,
     )
+    return lanes, steps
 
 
 def _node(static: AstarStatic, lanes: Lanes, least: Least) -> _Node:
@@ -160,6 +172,7 @@ def _entered(
     sizes: Layout,
     queries: AstarQueries,
     lanes: Lanes,
+    steps: Array,
     node: _Node,
     least: Least,
 ) -> tuple[Array, Array]:
@@ -168,7 +181,7 @@ def _entered(
     if static.turning:
         at = lanes.job * sizes.size + node.state
         inside = jnp.where(node.some, at, 0)
-        step = lanes.steps.at[inside].get(mode=_INSIDE).astype(jnp.int32)
+        step = steps.at[inside].get(mode=_INSIDE).astype(jnp.int32)
 
     def look() -> tuple[Array, Array]:
         h = estimate(static, queries.table, node.x, node.y)
@@ -232,12 +245,13 @@ def _noted(
     sizes: Layout,
     go: Array,
     lanes: Lanes,
+    steps: Array,
     node: _Node,
     better: Array,
     turned: Array,
 ) -> Array:
     """Note for each state that was reached anew how it was entered."""
-    nowhere = lanes.steps.shape[0]
+    nowhere = steps.shape[0]
 
     def notes() -> tuple[Array, Array]:
         moves = jnp.array(static.moves, jnp.int32)[:, None]
@@ -250,7 +264,7 @@ def _noted(
         return jnp.where(better, at, nowhere), entered.astype(jnp.uint8)
 
     index, entered = stage(go, notes)
-    return lanes.steps.at[index].set(entered, mode="drop")
+    return steps.at[index].set(entered, mode="drop")
 
 
 def _status(

@@ -56,6 +56,7 @@ class Searches:
     lead: Array  # km: by how much keys of then exceed those of the start
     expanded: Array  # since the last record
     iterations: Array  # since the last record
+    taken: Array  # iterations that advanced a job, of all jobs so far
 
 
 Lanes = TypeVar("Lanes", bound=Searches)
@@ -80,7 +81,7 @@ def idle_searches(static: ReplanStatic, lanes: int) -> dict[str, Array]:
         "bounds": jnp.full((blocks, lanes), NONE, jnp.int32),
         "live": jnp.zeros(lanes, bool),
         "here": zero + static.layout.void,
-        **dict.fromkeys(("goal", "origin", "lead", "expanded", "iterations"), zero),
+        **dict.fromkeys(("goal", "origin", "lead", "expanded", "iterations", "taken"), zero),
     }
 
 
@@ -225,5 +226,6 @@ def _touched(static: ReplanStatic, lanes: Lanes, touch: Touch) -> tuple[Lanes, O
         bounds=bounds,
         expanded=lanes.expanded + outcome.expanded,
         iterations=lanes.iterations + lanes.live,
+        taken=lanes.taken + lanes.live,
     )
     return lanes, outcome

@@ -13,7 +13,7 @@ from usvjax.missions.cruise.inputs import Expedition
 from usvjax.missions.cruise.voyages import Voyages, joined_moves, voyages_of
 from usvkernels.cruise import lanes as cruise_lanes
 from usvkernels.cruise.sailing import Cruises, SailingStatic
-from usvkernels.lanes import LEAST_LANES
+from usvkernels.lanes import LEAST_LANES, Usage, run
 from usvkernels.search.dstar_layout import Layout, ReplanStatic
 
 MOST_LANES = 64  # planes of small maps stay within the second-level cache
@@ -117,12 +117,12 @@ def _sail_part(
     """Moves uint8[rows, d * max_steps], legs int32[rows, d, 4], lane-iterations busy and total."""
     expedition = task.expedition
     cruises = Cruises(**jax.device_put(_arrays(task, room, rows), device))
-    logs = jax.device_get(_run(cruises, task.static, np.int32(count), room.moves, room.lanes))
+    log, usage = jax.device_get(_run(cruises, task.static, np.int32(count), room.moves, room.lanes))
     each = expedition.legs * expedition.max_steps
-    legs = logs.legs.reshape(-1, expedition.legs, 4)[:count]
+    legs = log.legs.reshape(-1, expedition.legs, 4)[:count]
     used = max(int(legs[:, :, 1].max()), 1)  # most of the room for moves is never used
-    moves = logs.moves[: count * each].reshape(count, each)[:, :used]
-    return moves, legs, float(logs.busy), float(logs.total)
+    moves = log.moves[: count * each].reshape(count, each)[:, :used]
+    return moves, legs, float(usage.busy), float(usage.total)
 
 
 def _arrays(task: _Task, room: _Room, rows: np.ndarray) -> dict[str, np.ndarray]:
@@ -151,5 +151,8 @@ def _arrays(task: _Task, room: _Room, rows: np.ndarray) -> dict[str, np.ndarray]
 )
 def _run(
     cruises: Cruises, static: SailingStatic, count: jax.Array, capacity: int, lanes: int
-) -> cruise_lanes.Logs:
-    return cruise_lanes.run(static, cruises, count, capacity=capacity, lanes=lanes, chunk=CHUNK)
+) -> tuple[cruise_lanes.Log, Usage]:
+    program = cruise_lanes.program(static, cruises, capacity)
+    rows = cruises.rate.shape[0]
+    (_, log), usage = run(program, count, capacity=rows, lanes=lanes, chunk=CHUNK)
+    return log, usage
