@@ -6,7 +6,7 @@ from types import ModuleType
 import pytest
 
 import usvjax as uj
-from usvjax import presets
+from usvjax import registry
 
 
 def test_the_mission_is_dwa_unless_said() -> None:
@@ -25,8 +25,8 @@ def test_another_mission_registers_its_own(monkeypatch: pytest.MonkeyPatch) -> N
     slow = uj.Preset({"gain": 0.1}, {}, "a test")
     home = ModuleType("drift_presets")
     home.SETS = {"slow": slow}  # type: ignore[attr-defined]
-    monkeypatch.setattr(presets, "_SETS", dict(presets._SETS))
-    presets.register_presets("drift", "drift_presets:SETS")  # nothing is imported yet
+    monkeypatch.setattr(registry, "_PRESETS", dict(registry._PRESETS))
+    registry.register_presets("drift", "drift_presets:SETS")  # nothing is imported yet
     monkeypatch.setitem(sys.modules, "drift_presets", home)
     assert uj.preset("slow", mission="drift") is slow
     assert uj.preset_names("drift") == ("slow",)

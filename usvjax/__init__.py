@@ -8,7 +8,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from usvjax.devices import use_all_cores
-from usvjax.registry import register_mission, register_own
+from usvjax.exports import home_of
+from usvjax.registry import register_mission, register_own, register_presets
+from usvjax.version import __version__
 
 if TYPE_CHECKING:
     from usvjax.errors import BadInputError, BadTypeError
@@ -49,7 +51,6 @@ if TYPE_CHECKING:
     from usvkernels.paths.turning import Turn
     from usvkernels.status import Status
 
-__version__ = "0.1.0"
 
 __all__ = [
     "AstarResult",
@@ -78,6 +79,7 @@ __all__ = [
     "TrackParams",
     "Tracks",
     "Turn",
+    "__version__",
     "astar",
     "bspline",
     "cruise",
@@ -111,62 +113,6 @@ __all__ = [
     "use_all_cores",
 ]
 
-_HOME = {
-    "usvjax.missions.cruise": ("CruiseParams", "CruiseResult", "CruiseStatic", "cruise"),
-    "usvjax.planners": ("PlanResult", "plan_paths"),
-    "usvjax.swarms": ("MinimiseResult", "minimise"),
-    "usvjax.tours": ("TourResult", "optimal_tour", "solve_tour", "tour_length"),
-    "usvjax.paths.metrics": (
-        "PathMetrics",
-        "path_metrics",
-    ),
-    "usvjax.paths.smoothing": (
-        "DensePaths",
-        "KeyPaths",
-        "Splines",
-        "bspline",
-        "key_points",
-        "redensify",
-        "shorten",
-    ),
-    "usvjax.paths.tracking": (
-        "Tracks",
-        "track_paths",
-    ),
-    "usvjax.paths.turns": (
-        "PathPieces",
-        "SmoothTurns",
-        "smooth_turns",
-    ),
-    "usvjax.search.astar": (
-        "AstarResult",
-        "astar",
-    ),
-    "usvjax.search.distance": ("distance_field",),
-    "usvjax.search.replanning": (
-        "DstarLiteResult",
-        "dstar_lite",
-    ),
-    "usvkernels.paths.tracking": ("TrackParams",),
-    "usvkernels.paths.turning": ("Turn",),
-    "usvjax.errors": ("BadInputError", "BadTypeError"),
-    "usvjax.maps": (
-        "GridMap",
-        "expand_obstacles",
-        "hongze_lake",
-        "load_map",
-        "obstacle_table",
-        "random_maps",
-        "save_map",
-    ),
-    "usvjax.missions.dwa.candidates": ("DwaCandidates", "dwa_candidates"),
-    "usvjax.missions.dwa.params": ("DwaParams", "DwaStatic", "fit_window"),
-    "usvjax.missions.dwa.run": ("NavigateResult", "navigate_dwa"),
-    "usvjax.presets": ("Preset", "preset", "preset_names"),
-    "usvjax.study": ("load_run", "run_study"),
-    "usvkernels.status": ("Status",),
-}
-
 _MISSIONS = {
     "dwa": "usvjax.missions.dwa.mission:MISSION",
     "route": "usvjax.missions.route.mission:MISSION",
@@ -175,11 +121,7 @@ _MISSIONS = {
 
 use_all_cores()
 register_own(_MISSIONS)
-
-
-def home_of(name: str) -> str:
-    """The module where what `usvjax` exports under a name stands; "" for no such name."""
-    return next((module for module, names in _HOME.items() if name in names), "")
+register_presets("dwa", "usvjax.missions.dwa.presets:PRESETS")
 
 
 def __getattr__(name: str) -> Any:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from usvjax.checks import one_of
+from usvjax.registry import presets_by_mission
 
 
 @dataclass(frozen=True)
@@ -20,22 +21,6 @@ class Preset:
     params: Any
     static: Any
     source: str
-
-
-# Import paths, not dictionaries: a mission's sets are imported when one is asked for.
-_SETS = {
-    "dwa": "usvjax.missions.dwa.presets:PRESETS",
-}
-
-
-def register_presets(mission: str, path: str) -> None:
-    """Make the parameter sets of a mission known.
-
-    Args:
-        mission: its name.
-        path: "package.module:NAME" of a mapping from names to `Preset`.
-    """
-    _SETS[mission] = path
 
 
 def preset(name: str, mission: str = "dwa") -> Preset:
@@ -64,7 +49,8 @@ def preset_names(mission: str = "dwa") -> tuple[str, ...]:
 
 
 def _sets_of(mission: str) -> dict[str, Preset]:
-    one_of("mission", mission, _SETS)
-    module, _, name = _SETS[mission].partition(":")
+    places = presets_by_mission()
+    one_of("mission", mission, places)
+    module, _, name = places[mission].partition(":")
     sets: dict[str, Preset] = getattr(importlib.import_module(module), name)
     return sets

@@ -1,4 +1,4 @@
-"""Which missions there are, by the name that study files call their kind."""
+"""Which missions there are, and their parameter sets, by the name that studies call their kind."""
 
 import importlib
 from typing import TYPE_CHECKING, cast
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 # A mission, or where it is: "package.module:NAME" is imported when a study asks for it.
 _MISSIONS: "dict[str, Mission | str]" = {}
 _OWN: set[str] = set()
+_PRESETS: dict[str, str] = {}
 
 
 def register_mission(kind: str, mission: "Mission | str") -> None:
@@ -57,3 +58,18 @@ def find_mission(kind: str, where: str = "the study") -> "Mission":
         module, _, name = found.partition(":")
         found = _MISSIONS[kind] = getattr(importlib.import_module(module), name)
     return cast("Mission", found)
+
+
+def register_presets(mission: str, place: str) -> None:
+    """Make the parameter sets of a mission known to `usvjax.preset`.
+
+    Args:
+        mission: its kind.
+        place: "package.module:NAME" of a dictionary from names to `usvjax.Preset`.
+    """
+    _PRESETS[mission] = place
+
+
+def presets_by_mission() -> dict[str, str]:
+    """Where the parameter sets of missions are, by kind."""
+    return dict(_PRESETS)

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+import usvjax.missions.route.looks  # noqa: F401
 from experiments.chen2023.published import ENDS, TABLE_3
 from experiments.chen2023.routes import (
     ASTAR,

@@ -9,6 +9,7 @@ import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import usvjax.missions.dwa.looks  # noqa: F401
 from experiments.tan2022.episodes import Episodes, Plan, Results, obstacles, record
 from experiments.tan2022.paired import Comparison
 from experiments.tan2022.published import METHODS, RADII, TABLE4

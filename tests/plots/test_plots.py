@@ -18,6 +18,7 @@ from figure_checks import (
 from matplotlib.collections import EllipseCollection
 from PIL import Image
 
+import usvjax.missions.dwa.looks  # noqa: F401
 from usvjax import plots
 from usvjax.errors import BadInputError
 from usvjax.plots import style

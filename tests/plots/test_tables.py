@@ -10,6 +10,7 @@ from figure_checks import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import usvjax.missions.dwa.looks  # noqa: F401
 from usvjax import plots
 from usvjax.errors import BadInputError
 from usvjax.plots import style

@@ -9,7 +9,7 @@ from study_fake import toy_study
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.study import load_spec, parse_spec
-from usvjax.study.spec import _short_names
+from usvjax.study.variants import short_names
 
 STUDIES = Path(__file__).parents[2] / "studies"
 
@@ -58,7 +58,7 @@ def test_listed_conditions_and_axes_combine():
 
 
 def test_clashing_short_names_are_written_in_full():
-    assert _short_names({"maps.rate", "params.rate", "params.radius"}) == {
+    assert short_names({"maps.rate", "params.rate", "params.radius"}) == {
         "maps.rate": "maps.rate",
         "params.rate": "params.rate",
         "params.radius": "radius",

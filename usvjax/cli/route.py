@@ -234,6 +234,7 @@ def _write_csv(path: Path, grid: GridMap, found: "Routes") -> None:
 
 def _draw(path: Path, query: _Query, method: str, found: "Routes") -> None:
     """Draw the route, below it that of A* where the method does something to it."""
+    import usvjax.missions.route.looks  # noqa: F401
     from usvjax.plots import style
     from usvjax.plots.route import closeup_width, plot_routes
 

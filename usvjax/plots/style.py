@@ -103,25 +103,7 @@ class Look(NamedTuple):
         return 3.0 if self.line == "-" else 3.1
 
 
-_METHODS: dict[str, Look] = {
-    "traditional": Look(ORANGE, "--", "s"),
-    "improved": Look(BLUE, "-", "o"),
-    "astar": Look(BLACK, "-", "o"),
-    "manhattan": Look(ORANGE, "--", "s"),
-    "weighted": Look(PURPLE, ":", "d"),
-    "turning": Look(GREEN, "-.", "h"),
-    "turning_parent": Look(SKY, "--", "<"),
-    "shortened": Look(BLUE, "-", "v"),
-    "key_points": Look(BLUE, ":", "p"),
-    "smoothed": Look(VERMILLION, "-", "*"),
-    "bspline": Look(PURPLE, "--", "X"),
-    "recommended": Look(BLUE, "-", "o"),
-    "proposed": Look(VERMILLION, "--", "*"),
-    "gwo": Look(ORANGE, "-.", "^"),
-    "aco": Look(GREEN, ":", "v"),
-    "ga": Look(SKY, "--", "P"),
-    "cmpso": Look(PURPLE, "-.", "D"),
-}
+_METHODS: dict[str, Look] = {}
 _OTHERS: tuple[Look, ...] = (
     Look(GREEN, "-.", "^"),
     Look(PURPLE, ":", "D"),
@@ -134,6 +116,15 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
+def register_looks(looks: Mapping[str, Look]) -> None:
+    """Fix how methods look, the same in every figure; a mission does so before it draws.
+
+    Args:
+        looks: By name of the method, in the order in which figures show them.
+    """
+    _METHODS.update(looks)
+
+
 def method_looks(methods: Iterable[str]) -> dict[str, Look]:
     """Colour, line style and marker of each method, the same in every figure.
 
@@ -141,8 +132,7 @@ def method_looks(methods: Iterable[str]) -> dict[str, Look]:
         methods: Names of methods, in any order.
 
     Returns:
-        A dict from name to its look; the methods of this package keep theirs whatever stands
-        beside them.
+        A dict from name to its look; registered ones keep theirs whatever stands beside them.
     """
     names = list(methods)
     others = sorted(set(names) - _METHODS.keys())
@@ -157,7 +147,7 @@ def method_handle(look: Look, label: str) -> Line2D:
 
 
 def ordered_methods(methods: Iterable[str]) -> list[str]:
-    """Return each name once: those of this package in their order, then by alphabet."""
+    """Return each name once: registered ones in their order, then by alphabet."""
     known = list(_METHODS)
     return sorted(set(methods), key=lambda n: (known.index(n) if n in known else len(known), n))
 

@@ -12,14 +12,18 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-import usvjax
 import usvkernels
+from usvjax.exports import home_of
 from usvjax.mission import Mission
 
 DRAWING = ("example", "figures", "film")
 """Methods of a mission that decide no result."""
 
-_ROOTS = {p.__name__: Path(str(p.__file__)).parent.parent for p in (usvjax, usvkernels)}
+_FACADE = "usvjax"
+_ROOTS = {
+    _FACADE: Path(__file__).parents[2],
+    "usvkernels": Path(str(usvkernels.__file__)).parents[1],
+}
 
 
 def code_digest(mission: Mission) -> str:
@@ -36,18 +40,22 @@ def sources(mission: Mission) -> dict[str, bytes]:
     Paths begin with the package; those of a plug-in, and of what stands beside it, with its folder
     left out.
     """
-    return _sources(Path(inspect.getfile(type(mission))), type(mission).__name__)
+    start, name = Path(inspect.getfile(type(mission))), type(mission).__name__
+    own = _package_of(start) is not None
+    return _own_sources(start, name) if own else _sources(start, name, start.parent)
 
 
-@cache
-def _sources(start: Path, name: str) -> dict[str, bytes]:
-    own = next((root for root in _ROOTS.values() if start.is_relative_to(root)), None)
-    beside = start.parent if own is None else None
+@cache  # a plug-in may change while a process goes on
+def _own_sources(start: Path, name: str) -> dict[str, bytes]:
+    return _sources(start, name, None)
+
+
+def _sources(start: Path, name: str, beside: Path | None) -> dict[str, bytes]:
     found: dict[str, bytes] = {}
     waiting = [start]
     while waiting:
         path = waiting.pop()
-        root = next((r for r in _ROOTS.values() if path.is_relative_to(r)), path.parent)
+        root = _package_of(path) or beside or path.parent
         key = path.relative_to(root).as_posix()
         if key in found:
             continue
@@ -56,6 +64,11 @@ def _sources(start: Path, name: str) -> dict[str, bytes]:
         found[key] = _without_drawing(source, tree, name) if path == start else source
         waiting += filter(None, (_file(module, beside) for module in _imports(tree)))
     return found
+
+
+def _package_of(path: Path) -> Path | None:
+    """The folder of our package that a file belongs to; None for a user's own."""
+    return next((r for name, r in _ROOTS.items() if path.is_relative_to(r / name)), None)
 
 
 def _without_drawing(source: bytes, tree: ast.Module, name: str) -> bytes:
@@ -79,28 +92,32 @@ def _height(node: ast.FunctionDef) -> int:
 def _imports(tree: ast.Module) -> Iterator[str]:
     """Names of modules that are imported anywhere but for type checkers, most of them ours."""
     facades = set()
-    for node in _at_run_time(tree):
+    for node in _statements(tree.body):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
-            facades |= {a.asname or a.name for a in node.names if a.name == usvjax.__name__}
+            facades |= {a.asname or a.name for a in node.names if a.name == _FACADE}
         elif isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
                 yield node.module
                 yield f"{node.module}.{alias.name}"
-                if node.module == usvjax.__name__:
-                    yield usvjax.home_of(alias.name)
-    for node in _at_run_time(tree):
-        if isinstance(node, ast.Attribute) and getattr(node.value, "id", None) in facades:
-            yield usvjax.home_of(node.attr)
+                if node.module == _FACADE:
+                    yield home_of(alias.name)
+    if facades:
+        for part in ast.walk(tree):
+            if isinstance(part, ast.Attribute) and getattr(part.value, "id", None) in facades:
+                yield home_of(part.attr)
 
 
-def _at_run_time(node: ast.AST) -> Iterator[ast.AST]:
-    """All nodes but those under `if TYPE_CHECKING:`."""
-    yield node
-    for child in ast.iter_child_nodes(node):
-        checked = isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test)
-        if not checked:
-            yield from _at_run_time(child)
+def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    """All statements, however deep, but those under `if TYPE_CHECKING:`."""
+    for node in body:
+        yield node
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            continue
+        for name in ("body", "orelse", "finalbody"):
+            yield from _statements(getattr(node, name, []))
+        for part in (*getattr(node, "handlers", []), *getattr(node, "cases", [])):
+            yield from _statements(part.body)
 
 
 def _file(module: str, beside: Path | None) -> Path | None:

@@ -1,19 +1,18 @@
 """What a study is: the TOML file, checked and resolved into conditions.
 
-A study file has top-level keys (`StudyFile`), one table per section of its kind (for "dwa":
-`[maps]`, `[params]`, `[static]`), and what varies: `[[conditions]]` lists combinations one by
+A study file has top-level keys (`StudyFile`), the tables of its mission, and what varies:
+`[[conditions]]` lists combinations one by
 one, `[axes]` lists values whose cross product is taken. Both may be given; then every
 listed combination is crossed with the axes.
 """
 
 import hashlib
-import itertools
 import json
 import math
 import pickle
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -21,15 +20,14 @@ from typing import Any
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.mission import Case, Files, Mission
-from usvjax.registry import find_mission
+from usvjax.registry import find_mission, mission_kinds
 from usvjax.sections import (
-    Sections,
-    check_dotted,
     check_homes,
     check_top_keys,
     sections_of,
 )
 from usvjax.study.plugin import Plugin, read_plugin
+from usvjax.study.variants import label_of, overridden, short_names, table_of, variants_of
 from usvjax.suggest import did_you_mean
 from usvjax.tables import MAX_NESTED, check_plain, read_table
 
@@ -48,22 +46,24 @@ class StudyFile:
     """Top-level keys of a study file.
 
     Attributes:
-        name: also the name of the run directory.
-        kind: the mission, which says what an episode is.
+        name: what the study is called, and its run directory; letters, digits, ".", "_" and "-".
+        episodes: per condition and method, 1 or more; with `until`, at most so many.
+        kind: the mission, which says what an episode is; one of usvjax's own, of which the first
+            is taken when it is left out, or what a plug-in brings.
         plugin: a file of one's own that brings the mission, relative to the study file.
-        seed: one seed for the whole study.
-        episodes: per condition and method; with `until`, at most so many.
-        shard: episodes per shard, the unit of work and of resuming.
+        seed: one seed for the whole study; 0 to 4294967295.
+        shard: episodes per shard, the unit of work and of resuming; 1 to 1,000,000.
         methods: what is compared; all that the kind offers when empty.
-        baseline: the method that paired differences are taken against; the first when None.
-        until: stop a condition once the interval of every method's success rate is at most
-            this wide (a share, 0.01 is one percentage point); None runs all episodes.
-        confidence: coverage of every interval.
+        baseline: the method that paired differences are taken against; the first when left out.
+        until: stop a condition once the interval of every method's success rate is at most this
+            wide, a share between 0 and 1 (0.01 is one percentage point); when left out, all
+            episodes are run.
+        confidence: coverage of every interval; a share between 0 and 1.
     """
 
     name: str
     episodes: int
-    kind: str = "dwa"
+    kind: str | None = None
     plugin: str | None = None
     seed: int = 0
     shard: int = 2000
@@ -203,7 +203,7 @@ def parse_spec(
         BadTypeError: a value has the wrong type.
     """
     check_plain(tables, where)
-    kind = tables.get("kind", StudyFile.kind)
+    kind = tables.get("kind", mission_kinds()[0])
     files = Files(folder or Path(), where)
     plugin = _plugin(tables, files)
     mission = find_mission(kind if isinstance(kind, str) else str(kind), where)
@@ -212,12 +212,12 @@ def parse_spec(
     check_top_keys(tables, sections, [*top_names, *sections, "axes", "conditions"], where)
     top = read_table(StudyFile, {k: v for k, v in tables.items() if k in top_names}, where)
     methods, baseline = _check_top(top, mission, where)
-    given = {name: _table(tables, name, where) for name in sections}
-    variants = list(_variants(tables, sections, where))
-    names = _short_names({key for _, varied, _ in variants for key in varied})
+    given = {name: table_of(tables, name, where) for name in sections}
+    variants = list(variants_of(tables, sections, where))
+    names = short_names({key for _, varied, _ in variants for key in varied})
     conditions = []
     for index, (title, varied, told) in enumerate(variants):
-        settings = _overridden(given, varied)
+        settings = overridden(given, varied)
         check_homes(settings, sections, where)
         case = mission.case(settings, files)
         most = case.most_jobs
@@ -229,11 +229,11 @@ def parse_spec(
         for method in methods:
             if method in case.refusals:
                 raise BadInputError(f"{where}: method {method!r}: {case.refusals[method]}")
-        label = ", ".join(filter(None, (title, _label(told, names)))) or top.name
+        label = ", ".join(filter(None, (title, label_of(told, names)))) or top.name
         conditions.append(Condition(index, label, varied, case))
     return StudySpec(
         name=top.name,
-        kind=top.kind,
+        kind=str(kind),
         seed=top.seed,
         episodes=top.episodes,
         shard=top.shard,
@@ -318,92 +318,3 @@ def _check_top(top: StudyFile, mission: Mission, where: str) -> tuple[tuple[str,
 def _check_range(where: str, key: str, value: int, low: int, high: int) -> None:
     if not low <= value <= high:
         raise BadInputError(f"{where}: {key!r} must lie between {low} and {high}, got {value}")
-
-
-def _table(tables: Mapping[str, Any], name: str, where: str) -> Mapping[str, Any]:
-    table = tables.get(name, {})
-    if not isinstance(table, Mapping):
-        raise BadTypeError(f"{where}: {name!r} must be a table, got {table!r}")
-    return table
-
-
-def _variants(
-    tables: Mapping[str, Any], sections: Sections, where: str
-) -> Iterator[tuple[str, dict[str, Any], dict[str, Any]]]:
-    """Yield (label or "", all dotted overrides, those that its label lacks) of every condition."""
-    axes = _flatten(_table(tables, "axes", where))
-    check_dotted(axes, sections, f"{where}: [axes]")
-    for key, values in axes.items():
-        if not isinstance(values, list) or not values:
-            raise BadTypeError(f"{where}: [axes]: {key!r} must be a list of values, got {values!r}")
-    for label, listed in _listed(tables, sections, where):
-        both = sorted(set(listed) & set(axes))
-        if both:
-            raise BadInputError(f"{where}: {both[0]!r} is in both [[conditions]] and [axes]")
-        for values in itertools.product(*axes.values()):
-            crossed = dict(zip(axes, values, strict=True))
-            told = {} if label else dict(listed)
-            told |= {key: value for key, value in crossed.items() if len(axes[key]) > 1}
-            yield label, {**listed, **crossed}, told
-
-
-def _listed(
-    tables: Mapping[str, Any], sections: Sections, where: str
-) -> list[tuple[str, dict[str, Any]]]:
-    """Read `[[conditions]]`; one empty condition when there is none."""
-    listed = tables.get("conditions", [{}])
-    if (
-        not isinstance(listed, list)
-        or not listed
-        or not all(isinstance(table, Mapping) for table in listed)
-    ):
-        raise BadTypeError(f"{where}: 'conditions' must be [[conditions]] tables, got {listed!r}")
-    result = []
-    for number, table in enumerate(listed, start=1):
-        place = f"{where}: [[conditions]] {number}"
-        flat = _flatten(table)
-        label = flat.pop("label", "")
-        if not isinstance(label, str):
-            raise BadTypeError(f"{place}: 'label' must be a string, got {label!r}")
-        check_dotted(flat, sections, place, ["label"])
-        result.append((label, flat))
-    return result
-
-
-def _flatten(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Turn nested tables into dotted keys; `"a.b" = 1` and `a.b = 1` become the same."""
-    flat: dict[str, Any] = {}
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            flat.update(_flatten(value, f"{prefix}{key}."))
-        else:
-            flat[f"{prefix}{key}"] = value
-    return flat
-
-
-def _overridden(
-    sections: Mapping[str, Mapping[str, Any]], varied: Mapping[str, Any]
-) -> dict[str, dict[str, Any]]:
-    settings = {name: dict(table) for name, table in sections.items()}
-    for dotted, value in varied.items():
-        section, _, key = dotted.partition(".")
-        settings[section][key] = value
-    return settings
-
-
-def _short_names(keys: set[str]) -> dict[str, str]:
-    """Name each dotted key by its last word, in full where two would clash."""
-    last = [key.partition(".")[2] for key in keys]
-    return {
-        key: short if last.count(short) == 1 else key
-        for key in keys
-        for short in [key.partition(".")[2]]
-    }
-
-
-def _label(varied: Mapping[str, Any], names: Mapping[str, str]) -> str:
-    return ", ".join(f"{names[key]} {_show(value)}" for key, value in varied.items())
-
-
-def _show(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)

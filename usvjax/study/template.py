@@ -1,6 +1,7 @@
 """A study file to begin with: every key of a mission, what it means, and its default."""
 
 import dataclasses
+import inspect
 import math
 import re
 import textwrap
@@ -13,7 +14,7 @@ from usvjax.sections import Table
 from usvjax.study.spec import StudyFile
 
 _WIDTH = 98
-_ENTRY = re.compile(r"(\w+(?:, \w+)*): (.*)")
+_ENTRY = re.compile(r" {4}(\w+(?:, \w+)*): (.*)")
 _EXAMPLES: dict[str, Any] = {"map": "hongze-250", "scen": "my.scen", "episodes": 1000}
 """For keys that have no default."""
 
@@ -32,14 +33,15 @@ def template(kind: str, mission: Mission, plugin: str | None = None) -> str:
     lines = [
         f"# A study of kind {kind}. Keys that are commented out show their defaults.",
         "# Run it with: usvjax study FILE; see what it would run with: usvjax check FILE",
-        "",
     ]
     meanings = _meanings(StudyFile)
     for field in dataclasses.fields(StudyFile):
-        text = meanings[field.name]
+        value = head.get(field.name, field.default)
+        block = list(_key(field.name, meanings[field.name], value, field.name in head))
         if field.name == "methods":
-            text += " " + "; ".join(f"{name}: {words}" for name, words in mission.methods.items())
-        lines += _key(field.name, text, head.get(field.name, field.default), field.name in head)
+            said = [f"{name}: {words}" for name, words in mission.methods.items()]
+            block[-1:-1] = [f"#   {line}" for words in said for line in _wrapped(words)]
+        lines += block
     for name, table in mission.tables.items():
         lines += ["", f"[{name}]", *_comment(table.about), *_table(table)]
     lines += [
@@ -49,14 +51,19 @@ def template(kind: str, mission: Mission, plugin: str | None = None) -> str:
             "with a label, lists combinations one by one."
         ),
         "# [axes]",
-        f"# {_some_key(mission)} = [...]",
+        *_some_axis(mission),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _some_key(mission: Mission) -> str:
-    name, table = next(iter(mission.tables.items()))
-    return f"{name}.{table.keys[-1]}"
+def _some_axis(mission: Mission) -> Iterator[str]:
+    """An example of what may vary: the first number of the first table."""
+    for name, table in mission.tables.items():
+        for cls in table.classes(table.default):
+            for field in dataclasses.fields(cls):
+                if isinstance(field.default, float):
+                    yield f"# {name}.{field.name} = {toml([field.default, 2 * field.default])}"
+                    return
 
 
 def _table(table: Table) -> Iterator[str]:
@@ -95,7 +102,11 @@ def _key(name: str, text: str, value: Any, given: bool) -> Iterator[str]:
 
 
 def _comment(text: str) -> list[str]:
-    return [f"# {line}" for line in textwrap.wrap(" ".join(text.split()), _WIDTH)]
+    return [f"# {line}" for line in _wrapped(text)]
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(" ".join(text.split()), _WIDTH)
 
 
 def toml(value: Any) -> str:
@@ -117,16 +128,17 @@ def _meanings(cls: type) -> dict[str, str]:
     Raises:
         BadInputError: it says nothing of a field; names the field.
     """
-    _, _, attributes = (cls.__doc__ or "").partition("Attributes:\n")
+    _, _, attributes = (inspect.getdoc(cls) or "").partition("Attributes:\n")
     found: dict[str, str] = {}
     names: list[str] = []
-    for line in textwrap.dedent(attributes).splitlines():
-        match = _ENTRY.match(line)
-        if match and not line[:1].isspace():
+    for line in attributes.splitlines():
+        if match := _ENTRY.fullmatch(line):
             names = match[1].split(", ")
             found.update(dict.fromkeys(names, match[2]))
-        elif line.strip() and names:
+        elif line.startswith(" "):
             found.update({name: f"{found[name]} {line.strip()}" for name in names})
+        elif line:  # another paragraph
+            break
     missing = [f.name for f in dataclasses.fields(cls) if f.name not in found]
     if missing:
         raise BadInputError(

@@ -6,7 +6,7 @@ from typing import Any
 
 import jax
 
-import usvjax
+from usvjax.version import __version__
 
 COMPARED = {
     "usvjax": "usvjax version",
@@ -31,7 +31,7 @@ def environment(code: str) -> dict[str, Any]:
     device = jax.local_devices()[0]
     packages = ("jax", "jaxlib", "numpy", "scipy", "polars")
     return {
-        "usvjax": usvjax.__version__,
+        "usvjax": __version__,
         "code": code,
         "python": platform.python_version(),
         **{name: version(name) for name in packages},

@@ -7,7 +7,10 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from usvjax.mission import Replay
-from usvjax.missions.cruise import CruiseResult
+from usvjax.missions.cruise import (
+    CruiseResult,
+    looks,  # noqa: F401
+)
 from usvjax.missions.cruise.chart import duration_words, plot_cruise
 from usvjax.missions.cruise.itinerary import itinerary
 from usvjax.missions.cruise.methods import (

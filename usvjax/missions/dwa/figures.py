@@ -8,6 +8,7 @@ import polars as pl
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+import usvjax.missions.dwa.looks  # noqa: F401
 from usvjax.mission import Replay, Replayed
 from usvjax.missions.dwa.candidates import DwaCandidates, dwa_candidates
 from usvjax.missions.dwa.decision import Decide, Episode, decision_film

@@ -6,6 +6,7 @@ from typing import Any
 import polars as pl
 from matplotlib.figure import Figure
 
+import usvjax.missions.route.looks  # noqa: F401
 from usvjax.maps import GridMap
 from usvjax.mission import Replay, Replayed
 from usvjax.missions.route.posed import RouteCase, RoutePosed

@@ -1,0 +1,15 @@
+"""How the methods of cruises look in figures; importing it fixes that."""
+
+from usvjax.plots import style
+
+style.register_looks(
+    {
+        "astar": style.Look(style.BLACK, "-", "o"),
+        "recommended": style.Look(style.BLUE, "-", "o"),
+        "proposed": style.Look(style.VERMILLION, "--", "*"),
+        "gwo": style.Look(style.ORANGE, "-.", "^"),
+        "aco": style.Look(style.GREEN, ":", "v"),
+        "ga": style.Look(style.SKY, "--", "P"),
+        "cmpso": style.Look(style.PURPLE, "-.", "D"),
+    }
+)

@@ -1,0 +1,10 @@
+"""How the methods of DWA look in figures; importing it fixes that."""
+
+from usvjax.plots import style
+
+style.register_looks(
+    {
+        "traditional": style.Look(style.ORANGE, "--", "s"),
+        "improved": style.Look(style.BLUE, "-", "o"),
+    }
+)
