@@ -109,12 +109,19 @@ def walked(
     weight: Array,
     record: Array,
 ) -> Walk:
-    """Let the ants of one iteration walk until all have ended: one of each query in turn.
+    """Let the ants of one iteration walk until all have ended; one of each query in turn begins.
 
-    A step of the driver is CHUNK of an ant's, since numbers are drawn for so many at a time.
+    A step of the lanes is CHUNK of an ant's, since numbers are drawn for so many at a time.
+
+    Args:
+      static: sizes.
+      queries: what is asked.
+      count: int32, how many of the queries are real, 1 or more; may be traced.
+      iteration: int32, by which random numbers differ.
+      weight: float[queries * size, 8], of each move from each place; 0 where it is closed.
+      record: int32[rows * lanes], space for `Log.record`.
     """
     jobs = static.ants * static.queries
-    narrowing = min(NARROWING, static.lanes // LEAST_LANES)
     program = InPlace(
         idle=partial(_idle, static),
         refill=partial(_refilled, static, queries, count),
@@ -127,16 +134,10 @@ def walked(
             record=record,
             owner=jnp.full((static.rows // CHUNK, static.lanes), jobs, jnp.int32),
         ),
-        narrowing=max(narrowing, 1),
+        narrowing=max(1, min(NARROWING, static.lanes // LEAST_LANES)),
     )
-    (ends, log), _ = run(
-        program,
-        count * static.ants,
-        capacity=jobs,
-        lanes=static.lanes,
-        chunk=1,
-        narrow=narrowing > 1,
-    )
+    (ends, log), _ = run(program, count * static.ants, capacity=jobs, lanes=static.lanes, chunk=1)
+    # From the order in which the ants of the real queries began.
     ant, query = jnp.divmod(jnp.arange(jobs, dtype=jnp.int32), static.queries)
     ends = jnp.where((query < count)[:, None], ends[ant * count + query], 0)
     return Walk(ends, log)
@@ -163,28 +164,24 @@ def _refilled(
 ) -> Ants:
     """The lanes that take an ant at its start."""
     ant, query = number // count, number % count
-    place = jnp.where(takes, query * static.size + queries.start[query], ants.place)
     stamp = ants.stamp + takes.astype(jnp.uint8)
-    used_up = takes & (stamp == 0)
+    order, used = those(takes & (stamp == 0))
 
     def clear(i: Array, visited: Array) -> Array:
         clean = jnp.zeros(static.size, jnp.uint8)
         return lax.dynamic_update_slice(visited, clean, (order[i] * static.size,))
 
-    order, used = those(used_up)
-    visited = lax.fori_loop(0, used, clear, ants.visited)
-    stamp = jnp.maximum(stamp, 1)
-    ants = replace(
+    return replace(
         ants,
         job=jnp.where(takes, ant * static.queries + query, ants.job),
-        place=place,
-        stamp=stamp,
+        place=jnp.where(takes, query * static.size + queries.start[query], ants.place),
+        stamp=jnp.maximum(stamp, 1),
         alive=ants.alive | takes,
         arrived=ants.arrived & ~takes,
         steps=jnp.where(takes, 0, ants.steps),
         diagonals=jnp.where(takes, 0, ants.diagonals),
+        visited=lax.fori_loop(0, used, clear, ants.visited),
     )
-    return replace(ants, visited=_put(visited, _base(static, ants) + place, stamp))
 
 
 def _base(static: AcoStatic, ants: Ants) -> Array:
@@ -206,8 +203,13 @@ def _advanced(
     log: Log,
 ) -> tuple[Ants, Log]:
     """CHUNK steps of every ant under way."""
+    base = _base(static, ants)
+    ants = replace(
+        ants,
+        began=jnp.where(ants.steps == 0, log.time, ants.began),
+        visited=_put(ants.visited, base + ants.place, ants.stamp),  # where they start
+    )
     log = replace(log, owner=_owned(static, ants, log))
-    ants = replace(ants, began=jnp.where(ants.steps == 0, log.time, ants.began))
     ant, query = ants.job // static.queries, ants.job % static.queries
     first = ant * static.max_steps + ants.steps
     index = first // 4 + jnp.arange(CHUNK // 4, dtype=jnp.int32)[:, None]
@@ -215,7 +217,6 @@ def _advanced(
     draws = jnp.stack([uniform(word, weight.dtype) for word in drawn], axis=1)
     draws = draws.reshape(CHUNK, -1) * _BELOW_ONE
     goal = query * static.size + queries.goal[query]
-    base = _base(static, ants)
 
     def step(i: Array, carry: tuple[Ants, Log]) -> tuple[Ants, Log]:
         return _stepped(static, weight, draws[i], goal, base, *carry)
