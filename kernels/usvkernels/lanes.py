@@ -1,4 +1,4 @@
-"""The driver for everything that ends early: searches, replanning, cruises, episodes, hunts.
+"""The driver for everything that ends early: searches, replanning, cruises, ants, episodes, hunts.
 
 A fixed set of lanes works through a queue of jobs. Lanes advance together, a chunk of steps at
 a time; then those that finished write their result to its place in job order and take the next
@@ -60,8 +60,9 @@ class InPlace:
       step: (state, log) -> (state, log), for all lanes; leaves finished lanes as they are.
       done, taken: as in `Program`; `taken` need not begin anew with each job.
       result: as in `Program`; nothing, where the log says it all.
-      log: arrays that all lanes write to step by step, each to places of its job alone.
-      narrowing: how many times fewer lanes the last jobs get.
+      log: arrays that all lanes write to step by step, each to places of its job alone; and what
+        is nobody's, as a clock. It stays as it is where lanes move.
+      narrowing: how many times fewer lanes the last jobs get; 1 where they stay.
     """
 
     idle: Callable[[int], Tree]
@@ -152,7 +153,7 @@ def run(
             queue = _drain(plan, queue)
         return queue.results, queue.usage
     fewer = lanes // program.narrowing
-    narrow &= fewer >= LEAST_LANES
+    narrow &= LEAST_LANES <= fewer < lanes
     queue = _work(plan, queue, fewer if narrow else 0)
     if narrow:
         queue = _work(plan, _gathered(plan, queue, fewer), 0, give=False)

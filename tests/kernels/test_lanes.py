@@ -280,6 +280,13 @@ def test_the_last_planes_move_into_fewer_lanes() -> None:
     assert total == {True: 64 * 2 + 16 * rest, False: 64 * MAX_STEPS}
 
 
+def test_planes_may_stay_in_all_lanes() -> None:
+    targets = np.full(40, MAX_STEPS)  # many chunks in which no lane begins a job
+    stays = lanes.InPlace(**{**vars(filling(targets)), "narrowing": 1})
+    (planes, _), _ = lanes.run(stays, 40, capacity=40, lanes=16, chunk=7)
+    np.testing.assert_array_equal(planes, filled(targets)[0])
+
+
 def test_planes_of_jobs_that_never_end_are_given_up() -> None:
     program = filling(np.arange(40))
     never = lanes.InPlace(**{**vars(program), "done": lambda state: state.steps < 0})

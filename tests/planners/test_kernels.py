@@ -59,8 +59,8 @@ def colony() -> dict[str, Any]:
 
     with jax.default_device(jax.local_devices()[0]):
         walked, length, deposits = jax.device_get(walk(queries))
-    record = walked.record.reshape(STATIC.rows, STATIC.lanes)
-    steps, _, began, slot = walked.ends[:-1].T
+    record = walked.log.record.reshape(STATIC.rows, STATIC.lanes)
+    steps, _, began, slot = walked.ends.T
     routes = []
     for ant in range(STATIC.ants):
         edges = record[began[ant] : began[ant] + max(steps[ant], 2), slot[ant]]

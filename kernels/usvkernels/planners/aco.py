@@ -81,7 +81,7 @@ def plan(static: AcoStatic, params: AcoParams, queries: AcoQueries, count: Array
         pheromone = jnp.maximum(pheromone, LEAST_PHEROMONE).astype(dtype)
         plans = _better(static, plans, walk, length)
         history = lax.dynamic_update_index_in_dim(plans.history, plans.length, i, axis=1)
-        return pheromone, walk.record, replace(plans, history=history)
+        return pheromone, walk.log.record, replace(plans, history=history)
 
     pheromone = jnp.ones((places, 8), dtype)
     return lax.fori_loop(0, static.iterations, iterate, (pheromone, record, plans))[2]
@@ -114,7 +114,7 @@ def _attraction(
 
 def _lengths(static: AcoStatic, walk: Walk, dtype: DTypeLike) -> Array:
     """Lengths of the walks that arrived, inf of the others: float[ants, queries]."""
-    steps, diagonals = walk.ends[:-1, 0], walk.ends[:-1, 1]
+    steps, diagonals = walk.ends[:, 0], walk.ends[:, 1]
     cells = (steps - diagonals).astype(dtype) + diagonals.astype(dtype) * 2**0.5
     return jnp.where(steps > 0, cells, jnp.inf).reshape(static.ants, static.queries)
 
@@ -128,11 +128,11 @@ def _deposits(static: AcoStatic, walk: Walk, length: Array) -> Array:
     opposite = jnp.array(OPPOSITE, jnp.int32)
 
     def add(chunk: Array, total: Array) -> Array:
-        given = amount[walk.owner[chunk]]
+        given = amount[walk.log.owner[chunk]]
 
         def add_row(i: Array, total: Array) -> Array:
             begin = (chunk * CHUNK + i) * static.lanes
-            edge = lax.dynamic_slice(walk.record, (begin,), (static.lanes,))
+            edge = lax.dynamic_slice(walk.log.record, (begin,), (static.lanes,))
             move = edge & 7
             back = jnp.where(edge < edges, ((edge >> 3) + offset[move]) * 8 + opposite[move], edges)
             total = total.at[edge].add(given, mode="drop")
@@ -140,7 +140,7 @@ def _deposits(static: AcoStatic, walk: Walk, length: Array) -> Array:
 
         return lax.fori_loop(0, jnp.where(jnp.any(given > 0), CHUNK, 0), add_row, total)
 
-    total = lax.fori_loop(0, walk.time // CHUNK, add, jnp.zeros(edges, jnp.int32))
+    total = lax.fori_loop(0, walk.log.time // CHUNK, add, jnp.zeros(edges, jnp.int32))
     return total.reshape(-1, 8).astype(length.dtype) / static.deposit
 
 
@@ -154,7 +154,7 @@ def _better(static: AcoStatic, plans: AcoPlans, walk: Walk, length: Array) -> Ac
     row = jnp.minimum(
         began[:, None] + jnp.arange(static.max_steps, dtype=jnp.int32), static.rows - 1
     )
-    move = (walk.record[row * static.lanes + slot[:, None]] & 7).astype(jnp.int8)
+    move = (walk.log.record[row * static.lanes + slot[:, None]] & 7).astype(jnp.int8)
     return replace(
         plans,
         length=jnp.where(improved, best, plans.length),
