@@ -24,8 +24,8 @@ class CornerScenes:
     """Corners: two clear segments each, on a map of its own.
 
     Attributes:
-      paths: float64[n, 3, 2], m.
-      blocked: bool[n, SIZE, SIZE].
+        paths: float64[n, 3, 2], m.
+        blocked: bool[n, SIZE, SIZE].
     """
 
     paths: np.ndarray
@@ -81,9 +81,9 @@ def check(scenes: CornerScenes, found: SmoothTurns) -> dict[str, float]:
     """How far the smoothed paths are from what they must be.
 
     Returns:
-      "curvature": largest curvature times R; "gap": largest distance (m) and "tangent": largest
-      angle (rad) between the end of a piece and the start of the next; "end": how far the ends
-      moved (m); "hits": samples on a blocked cell.
+        "curvature": largest curvature times R; "gap": largest distance (m) and "tangent": largest
+        angle (rad) between the end of a piece and the start of the next; "end": how far the ends
+        moved (m); "hits": samples on a blocked cell.
     """
     pieces, rows = found.pieces, np.flatnonzero(found.fitted)
     joints = pieces.valid[:, 1:] & found.fitted[:, None]

@@ -18,13 +18,13 @@ def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndar
     """The value as a finite float64 array of the given shape.
 
     Args:
-      name: of the argument, for the message.
-      value: anything that numpy takes.
-      shape: wanted sizes; None takes any.
+        name: of the argument, for the message.
+        value: anything that numpy takes.
+        shape: wanted sizes; None takes any.
 
     Raises:
-      BadTypeError: not real numbers.
-      BadInputError: another shape, NaN or infinite.
+        BadTypeError: not real numbers.
+        BadInputError: another shape, NaN or infinite.
     """
     try:
         array = np.asarray(value)
@@ -48,7 +48,7 @@ def one_of(name: str, value: object, allowed: Iterable[str]) -> None:
     """Refuse a value that is not among the allowed names.
 
     Raises:
-      BadInputError: naming the argument, the value and the nearest name, or all of them.
+        BadInputError: naming the argument, the value and the nearest name, or all of them.
     """
     allowed = list(allowed)
     if value not in allowed:
@@ -59,8 +59,8 @@ def whole_number(name: str, value: object, least: int) -> int:
     """The value as an int of at least `least`.
 
     Raises:
-      BadTypeError: not a whole number.
-      BadInputError: too small.
+        BadTypeError: not a whole number.
+        BadInputError: too small.
     """
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
         raise BadTypeError(f"{name}: got {value!r}; wanted a whole number")
@@ -77,8 +77,8 @@ def number(name: str, value: Any) -> float:
     """Return a finite real number as a float.
 
     Raises:
-        BadTypeError: It is not a number.
-        BadInputError: It is NaN, infinite or beyond the range of a float.
+        BadTypeError: it is not a number.
+        BadInputError: it is NaN, infinite or beyond the range of a float.
     """
     if isinstance(value, bool | np.bool_) or not isinstance(
         value, int | float | np.integer | np.floating
@@ -135,8 +135,8 @@ def grid(name: str, value: Any) -> np.ndarray:
     """Return a private, read-only bool[H, W] with H, W >= 1.
 
     Raises:
-        BadTypeError: The dtype is not bool.
-        BadInputError: It is not two-dimensional, or empty.
+        BadTypeError: the dtype is not bool.
+        BadInputError: it is not two-dimensional, or empty.
     """
     try:
         array = np.asarray(value)
@@ -157,8 +157,8 @@ def file_path(name: str, value: Any) -> Path:
     """Return a path.
 
     Raises:
-        BadTypeError: It is neither a string nor a path.
-        BadInputError: It holds a NUL, which no file name can.
+        BadTypeError: it is neither a string nor a path.
+        BadInputError: it holds a NUL, which no file name can.
     """
     if not isinstance(value, str | os.PathLike):
         raise BadTypeError(f"{name}: got {value!r}; wanted a string or a path")

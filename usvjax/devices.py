@@ -40,7 +40,7 @@ def use_all_cores(count: int | None = None) -> None:
     already started) stays as it is.
 
     Args:
-      count: number of host devices; by default the cores that this process may use.
+        count: number of host devices; by default the cores that this process may use.
     """
     made = _VARIABLE in os.environ or _FLAG in os.environ.get("XLA_FLAGS", "")
     if made and count is None:
@@ -67,10 +67,10 @@ def use_compilation_cache(folder: Path | None = None) -> Path:
     """Keep compiled kernels between runs, so that a second start does not compile.
 
     Args:
-      folder: where; by default usvjax/ in the user's cache folder.
+        folder: where; by default usvjax/ in the user's cache folder.
 
     Returns:
-      The folder.
+        The folder.
     """
     import jax
 
@@ -98,12 +98,12 @@ def share_out(
     """Run work(item, device) over the items, each device taking the next when it is free.
 
     Args:
-      work: called from one thread per device.
-      items: in order.
-      devices: to run on.
+        work: called from one thread per device.
+        items: in order.
+        devices: to run on.
 
     Yields:
-      What `work` returned, in the order of the items.
+        What `work` returned, in the order of the items.
     """
     free: queue.SimpleQueue[jax.Device] = queue.SimpleQueue()
     for device in devices:

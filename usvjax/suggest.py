@@ -8,11 +8,11 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
     """Say which valid name is nearest to `given`, or list them when none is near.
 
     Args:
-      given: what the user wrote.
-      valid: the names that would have been right.
+        given: what the user wrote.
+        valid: the names that would have been right.
 
     Returns:
-      Such as "did you mean 'radius'?".
+        Such as "did you mean 'radius'?".
     """
     names = sorted(valid)
     folded = {name.lower(): name for name in names}

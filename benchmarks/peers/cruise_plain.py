@@ -179,14 +179,14 @@ def cruise(planner: str, blocked: np.ndarray, stops: list[Cell], rate: float, se
     """Sail one cruise.
 
     Args:
-      planner: of PLANNERS.
-      blocked: bool[H, W].
-      stops: cells in the order of the cruise, home first and last.
-      rate: probability with which a cell in view flips at a step.
-      seed: of the flips.
+        planner: of PLANNERS.
+        blocked: bool[H, W].
+        stops: cells in the order of the cruise, home first and last.
+        rate: probability with which a cell in view flips at a step.
+        seed: of the flips.
 
     Returns:
-      Length of the track in cells.
+        Length of the track in cells.
     """
     water, draw = Water(blocked), random.Random(seed).random
     here, length, fixed = stops[0], 0.0, set(stops)
@@ -223,13 +223,13 @@ def sail(planner: str, maps: np.ndarray, stops: np.ndarray, rate: float) -> list
     """Sail cruises one after the other.
 
     Args:
-      planner: of PLANNERS.
-      maps: bool[n, H, W].
-      stops: int[n, d + 1, 2].
-      rate: of the flips.
+        planner: of PLANNERS.
+        maps: bool[n, H, W].
+        stops: int[n, d + 1, 2].
+        rate: of the flips.
 
     Returns:
-      Lengths of their tracks in cells.
+        Lengths of their tracks in cells.
     """
     lists = [[(int(x), int(y)) for x, y in row] for row in stops]
     return [cruise(planner, *one, rate, j) for j, one in enumerate(zip(maps, lists, strict=True))]

@@ -44,13 +44,13 @@ def follow(
     """Replan at each position after each change.
 
     Args:
-      blocked: bool[H, W].
-      goal: int[2], cell (x, y).
-      position: int[T + 1, 2], where the vessel is, whoever chose it.
-      flips: int[T, C, 2].
+        blocked: bool[H, W].
+        goal: int[2], cell (x, y).
+        position: int[T + 1, 2], where the vessel is, whoever chose it.
+        flips: int[T, C, 2].
 
     Returns:
-      The first plan, and one for each step until the goal or an exception.
+        The first plan, and one for each step until the goal or an exception.
     """
     from python_motion_planning.global_planner.graph_search.d_star_lite import DStarLite
     from python_motion_planning.utils import Grid

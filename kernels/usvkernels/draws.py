@@ -28,13 +28,13 @@ def words(seed: Array, time: Array | int, index: Array | int) -> tuple[Array, Ar
     """Four independent words uint32 for each counter.
 
     Args:
-      seed: uint32[2, ...], of `seeds`, its two words first.
-      time: integer[...], as the iteration; below 2**29, as is the index: bits above that reach
-        few bits of the words.
-      index: integer[...], as the place in the swarm.
+        seed: uint32[2, ...], of `seeds`, its two words first.
+        time: integer[...], as the iteration; below 2**29, as is the index: bits above that reach
+            few bits of the words.
+        index: integer[...], as the place in the swarm.
 
     Returns:
-      uint32[...] each, of the shape that the arguments broadcast to.
+        uint32[...] each, of the shape that the arguments broadcast to.
     """
     x, y, z, w = (
         jnp.asarray(v).astype(jnp.uint32) * jnp.uint32(1664525) + jnp.uint32(1013904223)

@@ -31,12 +31,12 @@ def random_blocked(
     the same uniform field.
 
     Args:
-        key: A threefry key (the JAX default); with other generators a batch of keys does not
+        key: a threefry key (the JAX default); with other generators a batch of keys does not
             give each key's own stream.
-        n: Number of maps (static).
+        n: number of maps (static).
         shape: (H, W), rows and columns (static).
-        density: Probability in [0, 1] that a cell is blocked; float[] or float[n].
-        first: Index of the first map: the maps drawn are first, ..., first + n - 1.
+        density: probability in [0, 1] that a cell is blocked; float[] or float[n].
+        first: index of the first map: the maps drawn are first, ..., first + n - 1.
 
     Returns:
         bool[n, H, W].
@@ -70,8 +70,8 @@ def inflate(
 
     Args:
         blocked: bool[..., H, W].
-        radius_cells: Radius in cells, >= 0; may be traced if ``bound`` is given.
-        bound: Static whole number of cells, at least the radius; rows further apart than this
+        radius_cells: radius in cells, >= 0; may be traced if ``bound`` is given.
+        bound: static whole number of cells, at least the radius; rows further apart than this
             are not compared. None takes the radius itself, which must then be a number.
 
     Returns:
@@ -97,9 +97,9 @@ def expand_about_centre(points: ArrayLike, centre: ArrayLike, expansion: ArrayLi
     """Scale an obstacle's boundary by (1 + E) in the obstacle's own frame (Chen 2023, Eq. 4).
 
     Args:
-        points: Boundary points, float[..., n, 2], m.
-        centre: Obstacle centres, the origin of the obstacle's frame, float[..., 2], m.
-        expansion: The obstacle expansion coefficient E, float[...] (one per obstacle).
+        points: boundary points, float[..., n, 2], m.
+        centre: obstacle centres, the origin of the obstacle's frame, float[..., 2], m.
+        expansion: the obstacle expansion coefficient E, float[...] (one per obstacle).
 
     Returns:
         float[..., n, 2], m.

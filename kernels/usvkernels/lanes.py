@@ -29,12 +29,12 @@ class Program:
     """What a lane does. All functions are batched: lanes are the LAST axis of a state's leaves.
 
     Attributes:
-      start: int32[lanes] job numbers -> state.
-      step: state -> state, for all lanes; what it does to a finished lane is discarded. Leaves
-        that it passes on untouched cost nothing.
-      done: state -> bool[lanes]; must come true after some number of steps.
-      result: state -> pytree of [lanes, ...] arrays (lanes first: these are rows of a table).
-      taken: state -> int32[lanes], steps that advanced the job so far.
+        start: int32[lanes] job numbers -> state.
+        step: state -> state, for all lanes; what it does to a finished lane is discarded. Leaves
+            that it passes on untouched cost nothing.
+        done: state -> bool[lanes]; must come true after some number of steps.
+        result: state -> pytree of [lanes, ...] arrays (lanes first: these are rows of a table).
+        taken: state -> int32[lanes], steps that advanced the job so far.
     """
 
     start: Callable[[Array], Tree]
@@ -52,17 +52,18 @@ class InPlace:
     All functions are batched, and work for any number of lanes.
 
     Attributes:
-      idle: number of lanes -> state in which all are done.
-      refill: (state, int32[lanes] job numbers, bool[lanes] takes) -> state in which the lanes that
-        `takes` are at the start of their job; numbers of others mean nothing. Called before every
-        chunk, so a job that has stages may begin the next one here. The planes of lanes that begin
-        are best written one lane after the other, by a loop over those few; see `those`.
-      step: (state, log) -> (state, log), for all lanes; leaves finished lanes as they are.
-      done, taken: as in `Program`; `taken` need not begin anew with each job.
-      result: as in `Program`; nothing, where the log says it all.
-      log: arrays that all lanes write to step by step, each to places of its job alone; and what
-        is nobody's, as a clock. It stays as it is where lanes move.
-      narrowing: how many times fewer lanes the last jobs get; 1 where they stay.
+        idle: number of lanes -> state in which all are done.
+        refill: (state, int32[lanes] job numbers, bool[lanes] takes) -> state in which the lanes
+            that `takes` are at the start of their job; numbers of others mean nothing. Called
+            before every chunk, so a job that has stages may begin the next one here. The planes of
+            lanes that begin are best written one lane after the other, by a loop over those few;
+            see `those`.
+        step: (state, log) -> (state, log), for all lanes; leaves finished lanes as they are.
+        done, taken: as in `Program`; `taken` need not begin anew with each job.
+        result: as in `Program`; nothing, where the log says it all.
+        log: arrays that all lanes write to step by step, each to places of its job alone; and what
+            is nobody's, as a clock. It stays as it is where lanes move.
+        narrowing: how many times fewer lanes the last jobs get; 1 where they stay.
     """
 
     idle: Callable[[int], Tree]
@@ -127,19 +128,20 @@ def run(
     Planes are moved once, as soon as what is left fits into `InPlace.narrowing` times fewer lanes.
 
     Args:
-      program: what a lane does.
-      n_jobs: number of jobs, from 1 to `capacity`; may be traced.
-      capacity: rows of the result, static.
-      lanes: jobs under way at a time, static.
-      chunk: steps between two refills, static.
-      max_steps: steps after which any job is done, static; bounds the loop. None where the
-        program's own bounds end every job.
-      refill: False gives out new jobs only when all lanes have finished (for comparison).
-      narrow: whether to gather the last jobs; compiles the step a second time, for that width.
+        program: what a lane does.
+        n_jobs: number of jobs, from 1 to `capacity`; may be traced.
+        capacity: rows of the result, static.
+        lanes: jobs under way at a time, static.
+        chunk: steps between two refills, static.
+        max_steps: steps after which any job is done, static; bounds the loop. None where the
+            program's own bounds end every job.
+        refill: False gives out new jobs only when all lanes have finished (for comparison).
+        narrow: whether to gather the last jobs; compiles the step a second time, for that width.
 
     Returns:
-      The results, leaves [capacity, ...] with rows from n_jobs on zero, and the lanes' usage. Of a
-      program `InPlace` the first is a pair: the results, and its log.
+        The results, leaves [capacity, ...] with rows from n_jobs on zero, and the lanes' usage. Of
+        a
+        program `InPlace` the first is a pair: the results, and its log.
     """
     n_jobs = jnp.asarray(n_jobs, jnp.int32)
     # Reached only if `done` never comes true: some job ends within the chunks of the longest.
@@ -340,14 +342,14 @@ def record(
     """Run one job per lane for a fixed number of steps and keep what `observe` sees.
 
     Args:
-      program: what a lane does.
-      jobs: int32[lanes].
-      steps: static.
-      observe: state -> pytree of arrays, called on the first state and after each step; a
-        finished lane repeats its last state.
+        program: what a lane does.
+        jobs: int32[lanes].
+        steps: static.
+        observe: state -> pytree of arrays, called on the first state and after each step; a
+            finished lane repeats its last state.
 
     Returns:
-      The results [lanes, ...] and the observations [steps + 1, ...].
+        The results [lanes, ...] and the observations [steps + 1, ...].
     """
     first = program.start(jobs)
 

@@ -66,8 +66,8 @@ def angle_between(across: Array, along: Array) -> Array:
     """Angle in [0, pi] of a vector against a direction; atan2(|across|, along).
 
     Args:
-      across: component normal to the direction, any shape and sign.
-      along: component along the direction, same shape.
+        across: component normal to the direction, any shape and sign.
+        along: component along the direction, same shape.
     """
     if along.dtype != jnp.float32:
         return jnp.arctan2(jnp.abs(across), along)

@@ -24,12 +24,12 @@ def unicycle_step(x: Array, y: Array, psi: Array, v: Array, w: Array, dt: Array 
     """One Euler step of Tan et al. 2022, Eq. 1: move along the old heading, then turn.
 
     Args:
-      x, y, psi: pose before the step (m, m, rad), any common shape.
-      v, w: speed (m/s) and yaw rate (rad/s) held during the step.
-      dt: length of the step (s).
+        x, y, psi: pose before the step (m, m, rad), any common shape.
+        v, w: speed (m/s) and yaw rate (rad/s) held during the step.
+        dt: length of the step (s).
 
     Returns:
-      The pose after the step, the heading wrapped to [-pi, pi).
+        The pose after the step, the heading wrapped to [-pi, pi).
     """
     sin, cos = sincos(psi)
     return x + v * dt * cos, y + v * dt * sin, wrap_angle(psi + w * dt)
@@ -59,8 +59,8 @@ def geometric_sum(ratio: Complex, n: int) -> tuple[Complex, Complex]:
     """Sum of z^0 .. z^(n-1), and z^n, by doubling; exact at z = 1, where a quotient is not.
 
     Args:
-      ratio: z, any shape.
-      n: number of terms, at least 1.
+        ratio: z, any shape.
+        n: number of terms, at least 1.
     """
     total: Complex = (jnp.ones_like(ratio[0]), jnp.zeros_like(ratio[1]))
     power = ratio

@@ -33,11 +33,11 @@ def random_maps(
     another device gives the same map, and a higher density only adds blocked cells to it.
 
     Args:
-        key: A seed (integer from 0 to 2**32 - 1) or a JAX threefry key.
-        n: Number of maps, >= 1.
+        key: a seed (integer from 0 to 2**32 - 1) or a JAX threefry key.
+        n: number of maps, >= 1.
         shape: (H, W), rows and columns.
-        density: Probability in [0, 1] that a cell is blocked.
-        first: Index j of the first map, so that shards can draw their own.
+        density: probability in [0, 1] that a cell is blocked.
+        first: index j of the first map, so that shards can draw their own.
 
     Returns:
         bool[n, H, W], True = not navigable.

@@ -11,7 +11,7 @@ def read_bytes(path: Path) -> bytes:
     """Return a file's content.
 
     Raises:
-        BadInputError: It is missing, a directory, not permitted, or cannot be read.
+        BadInputError: it is missing, a directory, not permitted, or cannot be read.
     """
     try:
         return path.read_bytes()
@@ -28,7 +28,7 @@ def write_all(files: Mapping[Path, bytes]) -> None:
     interruption leaves every existing file as it was.
 
     Raises:
-        BadInputError: A file cannot be written.
+        BadInputError: a file cannot be written.
     """
     for path in files:
         if path.is_dir():

@@ -36,15 +36,15 @@ def load_map(
       ``cell_size``.
 
     Args:
-        path: The file.
-        cell_size: Edge of a cell, m; overrides what the file says.
+        path: the file.
+        cell_size: edge of a cell, m; overrides what the file says.
         origin: (x, y) of the south-west corner, m; overrides what the file says.
-        unknown: What the unknown cells of a ROS map become.
-        threshold: Brightness in [0, 1] below which a pixel of a plain image is blocked.
+        unknown: what the unknown cells of a ROS map become.
+        threshold: brightness in [0, 1] below which a pixel of a plain image is blocked.
 
     Raises:
-        BadTypeError: An argument has the wrong type.
-        BadInputError: The file is missing, truncated or malformed, or an argument is out of range.
+        BadTypeError: an argument has the wrong type.
+        BadInputError: the file is missing, truncated or malformed, or an argument is out of range.
     """
     place = checks.file_path("path", path)
     if cell_size is not None:
@@ -71,16 +71,16 @@ def save_map(grid: GridMap, path: Any, *, replace: bool = True) -> list[Path]:
     part of a saved map is never replaced.
 
     Args:
-        grid: The map.
-        path: The file.
+        grid: the map.
+        path: the file.
         replace: False refuses to replace existing files (sidecars and images included).
 
     Returns:
         The files written.
 
     Raises:
-        BadTypeError: An argument has the wrong type.
-        BadInputError: The format is unknown, the file cannot be written, it exists and
+        BadTypeError: an argument has the wrong type.
+        BadInputError: the format is unknown, the file cannot be written, it exists and
             ``replace`` is False, or a file that is not the map's has the name of its sidecar or
             image.
     """

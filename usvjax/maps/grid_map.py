@@ -20,10 +20,10 @@ class GridMap:
 
     Attributes:
         blocked: bool[H, W], True = not navigable, read-only; row y grows to the north.
-        cell_size: Edge of a cell, m.
+        cell_size: edge of a cell, m.
         origin: (x, y) of the south-west corner of cell (0, 0), m.
-        name: What the map shows, for titles and tables.
-        attribution: Source and licence of the data, to be shown with it.
+        name: what the map shows, for titles and tables.
+        attribution: source and licence of the data, to be shown with it.
 
     Raises:
         BadTypeError: ``blocked`` is not bool, or another field has the wrong type.
@@ -92,7 +92,7 @@ class GridMap:
 
         Raises:
             BadTypeError: ``points`` are not numbers.
-            BadInputError: A point is not finite, or the last dimension is not 2.
+            BadInputError: a point is not finite, or the last dimension is not 2.
         """
         place = _pairs("points", points)
         return np.floor((place - self.origin) / self.cell_size).astype(np.int64)
@@ -108,7 +108,7 @@ class GridMap:
 
         Raises:
             BadTypeError: ``cells`` are not numbers.
-            BadInputError: An index is not finite, or the last dimension is not 2.
+            BadInputError: an index is not finite, or the last dimension is not 2.
         """
         return np.asarray(self.origin) + self.cell_size * (_pairs("cells", cells) + 0.5)
 
@@ -123,7 +123,7 @@ class GridMap:
 
         Raises:
             BadTypeError: ``points`` are not numbers.
-            BadInputError: A point is not finite, or the last dimension is not 2.
+            BadInputError: a point is not finite, or the last dimension is not 2.
         """
         cells = self.cells_of(points)
         limit = np.asarray(self.shape[::-1])
@@ -146,11 +146,11 @@ class GridMap:
         """Block every cell whose centre is within a radius of a blocked cell's centre.
 
         Args:
-            radius_m: Radius of the disc, m; on the circle counts.
+            radius_m: radius of the disc, m; on the circle counts.
 
         Raises:
             BadTypeError: ``radius_m`` is not a number.
-            BadInputError: It is negative or not finite.
+            BadInputError: it is negative or not finite.
         """
         radius = checks.not_negative("radius_m", radius_m)
         # A radius of a whole number of cells must survive the rounding of the products.
@@ -162,7 +162,7 @@ class GridMap:
         See ``usvjax.maps.expand_obstacles``.
 
         Args:
-            expansion: The obstacle expansion coefficient E, >= 0.
+            expansion: the obstacle expansion coefficient E, >= 0.
         """
         return replace(self, blocked=expand_obstacles(self.blocked, expansion))
 
@@ -174,11 +174,11 @@ class GridMap:
         factor of 2 only divides the cells; from 3 on, corners of the shore are rounded.
 
         Args:
-            factor: How many new cells along the edge of an old one, >= 1.
+            factor: how many new cells along the edge of an old one, >= 1.
 
         Raises:
             BadTypeError: ``factor`` is not an integer.
-            BadInputError: It is below 1.
+            BadInputError: it is below 1.
         """
         factor = whole_number("factor", factor, 1)
         # Weights are whole multiples of 1 / (2 factor), so integers decide 0.5 exactly.

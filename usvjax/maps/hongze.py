@@ -29,12 +29,12 @@ def hongze_lake(cell_size: float = 250) -> GridMap:
     to every cell size, so that points mean the same place on all of them. Not for navigation.
 
     Args:
-        cell_size: Edge of a cell, m: 250, 500 or 1,000 as rasterised from the shoreline, or 250
+        cell_size: edge of a cell, m: 250, 500 or 1,000 as rasterised from the shoreline, or 250
             divided by a whole number up to 25, interpolated from the 250 m map.
 
     Raises:
         BadTypeError: ``cell_size`` is not a number.
-        BadInputError: It is none of these sizes.
+        BadInputError: it is none of these sizes.
     """
     size = checks.positive("cell_size", cell_size)
     if size in SHIPPED_CELL_SIZES:
@@ -60,12 +60,12 @@ def find_map(
     Args:
         name: ``hongze-250`` (or another cell size that ``hongze_lake`` takes), or the path of a
             map file.
-        cell_size: As for ``load_map``; a packaged map has its own.
-        origin: Likewise.
+        cell_size: as for ``load_map``; a packaged map has its own.
+        origin: likewise.
 
     Raises:
-        BadTypeError: An argument has the wrong type.
-        BadInputError: There is no such map, or the file is malformed.
+        BadTypeError: an argument has the wrong type.
+        BadInputError: there is no such map, or the file is malformed.
     """
     text = str(checks.file_path("map", name))
     match = _NAME.fullmatch(text)

@@ -30,14 +30,14 @@ def read_image(
     """Read a PNG, PGM (P2 or P5) or JPEG as a map.
 
     Args:
-        path: The image.
-        cell_size: Edge of a pixel, m.
+        path: the image.
+        cell_size: edge of a pixel, m.
         origin: (x, y) of the south-west corner of the image, m; (0, 0) if None.
-        threshold: Brightness in [0, 1] (0 black, 1 white) below which a pixel is blocked.
+        threshold: brightness in [0, 1] (0 black, 1 white) below which a pixel is blocked.
             Transparency is ignored.
 
     Raises:
-        BadInputError: The image cannot be read, or ``cell_size`` is missing.
+        BadInputError: the image cannot be read, or ``cell_size`` is missing.
     """
     if cell_size is None:
         raise BadInputError(f"{path}: an image has no scale; give cell_size, the metres per pixel")
@@ -55,7 +55,7 @@ def read_pixels(path: Path) -> np.ndarray:
         float64[H, W, C] in [0, 255], C = 1 (grey), 3 (red, green, blue) or 4 (and alpha).
 
     Raises:
-        BadInputError: The file is missing, truncated or not an image.
+        BadInputError: the file is missing, truncated or not an image.
     """
     content = disk.read_bytes(path)
     try:

@@ -26,7 +26,7 @@ def read_movingai(
     """Read a MovingAI map and its sidecar; given cell size and origin win over the sidecar's.
 
     Raises:
-        BadInputError: The map or its sidecar is missing, truncated or malformed.
+        BadInputError: the map or its sidecar is missing, truncated or malformed.
     """
     blocked = _parse(disk.read_bytes(path), path)
     sidecar = read_sidecar(path) or Sidecar()
@@ -48,7 +48,7 @@ def encode_movingai(grid: GridMap, path: Path) -> dict[Path, bytes]:
     """Return the map file and, where the format cannot hold scale and place, its sidecar.
 
     Raises:
-        BadInputError: Another program's JSON file has the sidecar's name.
+        BadInputError: another program's JSON file has the sidecar's name.
     """
     height, width = grid.shape
     header = f"type octile\nheight {height}\nwidth {width}\nmap\n".encode()

@@ -33,7 +33,7 @@ def expand_obstacles(blocked: Any, expansion: float) -> np.ndarray:
 
     Args:
         blocked: bool[H, W].
-        expansion: The obstacle expansion coefficient E, >= 0.
+        expansion: the obstacle expansion coefficient E, >= 0.
 
     Returns:
         bool[H, W].
@@ -90,16 +90,16 @@ def obstacle_table(blocked: Any, k: int | None, reach_cells: float) -> np.ndarra
 
     Args:
         blocked: bool[H, W].
-        k: How many obstacles per cell, >= 1; None: as many as the fullest cell has within
+        k: how many obstacles per cell, >= 1; None: as many as the fullest cell has within
             reach, rounded up to a multiple of 8, so that none is left out.
-        reach_cells: Obstacles beyond this distance are left out, cells, > 0.
+        reach_cells: obstacles beyond this distance are left out, cells, > 0.
 
     Returns:
         int32[H, W, k]: flat indices y * W + x, nearest first, padded with -1; blocked cells
         have -1 throughout.
 
     Raises:
-        BadTypeError: An argument has the wrong type.
+        BadTypeError: an argument has the wrong type.
         BadInputError: ``k`` is below 1, ``reach_cells`` not above 0, ``blocked`` not [H, W], or
             the table larger than MOST_BYTES.
     """

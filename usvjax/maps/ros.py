@@ -42,13 +42,13 @@ def read_ros(
     """Read a map_server map; given cell size and origin win over the file's.
 
     Args:
-        path: The ``.yaml``; its image lies relative to it.
-        cell_size: Edge of a cell, m; None takes ``resolution``.
+        path: the ``.yaml``; its image lies relative to it.
+        cell_size: edge of a cell, m; None takes ``resolution``.
         origin: (x, y) of the lower left corner, m; None takes the file's.
-        unknown: What unknown cells become.
+        unknown: what unknown cells become.
 
     Raises:
-        BadInputError: The file or its image is missing or malformed, a value is out of range, or
+        BadInputError: the file or its image is missing or malformed, a value is out of range, or
             the map is rotated.
     """
     one_of("unknown", unknown, ("blocked", "free"))
@@ -72,7 +72,7 @@ def encode_ros(grid: GridMap, path: Path) -> dict[Path, bytes]:
     """Return a trinary map_server ``.yaml`` and its ``.pgm`` of the same stem.
 
     Raises:
-        BadInputError: There is an image of that name, but no ``.yaml`` that it could belong to.
+        BadInputError: there is an image of that name, but no ``.yaml`` that it could belong to.
     """
     image = path.with_suffix(".pgm")
     if image.exists() and not path.exists():

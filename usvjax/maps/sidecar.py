@@ -20,12 +20,12 @@ class Sidecar:
     """What a sidecar says; the defaults are MovingAI's own convention.
 
     Attributes:
-        cell_size: Edge of a cell, m.
+        cell_size: edge of a cell, m.
         origin: (x, y) of the south-west corner of the map, m.
         north_first: True if the first row of the file is the northern edge.
         shape: (H, W) that it claims for the map; None where it says nothing.
-        name: What the map shows.
-        attribution: Source and licence of the data.
+        name: what the map shows.
+        attribution: source and licence of the data.
     """
 
     cell_size: float = 1.0
@@ -45,7 +45,7 @@ def read_sidecar(map_path: Path) -> Sidecar | None:
     """Read the sidecar of a map; None where there is none.
 
     Raises:
-        BadInputError: The sidecar is malformed.
+        BadInputError: the sidecar is malformed.
     """
     path = sidecar_path(map_path)
     if not path.exists():
@@ -65,7 +65,7 @@ def encode_sidecar(grid: GridMap, map_path: Path) -> dict[Path, bytes]:
     A sidecar that is already there is replaced even then: it describes the old map.
 
     Raises:
-        BadInputError: Another program's JSON file has the sidecar's name.
+        BadInputError: another program's JSON file has the sidecar's name.
     """
     path = sidecar_path(map_path)
     plain = grid.cell_size == 1.0 and grid.origin == (0.0, 0.0) and not grid.attribution

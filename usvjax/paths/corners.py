@@ -21,9 +21,9 @@ class Vessel:
     """What a smoother must respect.
 
     Attributes:
-      radius: float64[B], R (m).
-      reach: float64[B], R_s (m).
-      margin: m, that arcs keep to blocked cells.
+        radius: float64[B], R (m).
+        reach: float64[B], R_s (m).
+        margin: m, that arcs keep to blocked cells.
     """
 
     radius: np.ndarray
@@ -46,10 +46,10 @@ def turn_corners(
     """Smooth paths of distinct points, float64[n, P, 2] from the map's corner, m.
 
     Args:
-      points, counts: the paths.
-      rows: int[n], the row of the batch that each belongs to: its map and vessel.
-      frame: the maps.
-      vessel: what sails.
+        points, counts: the paths.
+        rows: int[n], the row of the batch that each belongs to: its map and vessel.
+        frame: the maps.
+        vessel: what sails.
     """
     width = max(points.shape[1], 3)
     points = filled(points, width, axis=1)

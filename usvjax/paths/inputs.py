@@ -29,9 +29,9 @@ class Frame:
     """Maps in the world.
 
     Attributes:
-      blocked: bool[1, H, W] shared by all paths, or bool[B, H, W].
-      cell_size: m.
-      origin: float64[2], corner of cell (0, 0), m.
+        blocked: bool[1, H, W] shared by all paths, or bool[B, H, W].
+        cell_size: m.
+        origin: float64[2], corner of cell (0, 0), m.
     """
 
     blocked: np.ndarray
@@ -81,9 +81,9 @@ class Paths:
     """B checked paths.
 
     Attributes:
-      points: int32[B, P, 2] (cells) or float64[B, P, 2] (m); the last point pads.
-      counts: int32[B], points of each, 0 where there is no path.
-      are_cells: which of the two.
+        points: int32[B, P, 2] (cells) or float64[B, P, 2] (m); the last point pads.
+        counts: int32[B], points of each, 0 where there is no path.
+        are_cells: which of the two.
     """
 
     points: np.ndarray
@@ -102,7 +102,7 @@ def path_frame(blocked: Any, cell_size: float | None, origin: Any) -> Frame:
     """The maps and where they lie; a `GridMap` brings its own cell size and origin.
 
     Raises:
-      BadTypeError, BadInputError: of another type or shape, or both ways at once.
+        BadTypeError, BadInputError: of another type or shape, or both ways at once.
     """
     if isinstance(blocked, GridMap):
         for name, value in (("cell_size", cell_size), ("origin", origin)):
@@ -131,14 +131,14 @@ def path_rows(paths: Any, lengths: Any, cells_only: bool = False) -> Paths:
     """Check paths and their lengths.
 
     Args:
-      paths: int[B, P, 2], cells (x, y), or float[B, P, 2], m.
-      lengths: int[B], points of each path, 0 where there is none; None: all P.
-      cells_only: refuse metres.
+        paths: int[B, P, 2], cells (x, y), or float[B, P, 2], m.
+        lengths: int[B], points of each path, 0 where there is none; None: all P.
+        cells_only: refuse metres.
 
     Raises:
-      BadTypeError: not numbers of the right kind.
-      BadInputError: ragged, of another shape, NaN, infinite or beyond MOST_COORDINATE before the
-        end of a path, or a length outside 0 .. P.
+        BadTypeError: not numbers of the right kind.
+        BadInputError: ragged, of another shape, NaN, infinite or beyond MOST_COORDINATE before the
+            end of a path, or a length outside 0 .. P.
     """
     wanted = "int [B, P, 2] (cells), P >= 2, padded to one length" if cells_only else _PATHS
     try:
@@ -209,11 +209,11 @@ def check_on_map(paths: Paths, frame: Frame, slack: float = 0.0) -> None:
     """Refuse paths that leave the map.
 
     Args:
-      paths, frame: the paths and their maps.
-      slack: cells, how far a point may be off, for what single precision did to a sample.
+        paths, frame: the paths and their maps.
+        slack: cells, how far a point may be off, for what single precision did to a sample.
 
     Raises:
-      BadInputError: naming the first row and place; or maps and paths of unequal number.
+        BadInputError: naming the first row and place; or maps and paths of unequal number.
     """
     check_number(paths, frame)
     shape = np.array(frame.blocked.shape[:0:-1])

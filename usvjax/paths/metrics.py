@@ -23,17 +23,17 @@ class PathMetrics:
     """Measures of B paths; numpy arrays.
 
     Attributes:
-      length: float32[B], m; nan where there is no path.
-      inflections: int32[B], points at which the course changes; 0 where there is no path.
-      turning: float32[B], sum of the changes of course, rad; nan where there is no path.
-      curvature: float32[B], the largest discrete curvature, 1/m: at a point between segments a
-        and b that meet at the angle w, 2 sin(w / 2) / ((a + b) / 2); on samples of an arc that
-        is 1 / radius; nan where there is no path.
-      clearance: float32[B], least distance (m) of points on the path, at most half a cell
-        apart, to a blocked cell, 0 on one; inf beyond `clearance_limit`, nan where there is no
-        path. None where no map was given.
-      energy: float32[B], that of `length` straight ahead plus that of turning; nan where there
-        is no path.
+        length: float32[B], m; nan where there is no path.
+        inflections: int32[B], points at which the course changes; 0 where there is no path.
+        turning: float32[B], sum of the changes of course, rad; nan where there is no path.
+        curvature: float32[B], the largest discrete curvature, 1/m: at a point between segments a
+            and b that meet at the angle w, 2 sin(w / 2) / ((a + b) / 2); on samples of an arc that
+            is 1 / radius; nan where there is no path.
+        clearance: float32[B], least distance (m) of points on the path, at most half a cell
+            apart, to a blocked cell, 0 on one; inf beyond `clearance_limit`, nan where there is no
+            path. None where no map was given.
+        energy: float32[B], that of `length` straight ahead plus that of turning; nan where there
+            is no path.
     """
 
     length: np.ndarray
@@ -59,19 +59,19 @@ def path_metrics(
     """Measure paths.
 
     Args:
-      paths: int[B, P, 2], cells, or float[B, P, 2], m.
-      lengths: int[B], points of each path, 0 where there is none; None: all P.
-      blocked: map for the clearance: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
-      cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
-      turn_cost: gamma, energy of a turn by 45 deg: e = gamma * angle / 45 deg (Zhang et al.
-        2019, Eq. 6, where it is 0.5).
-      energy_unit: m, length that costs an energy of 1 (Zhang: 100 m).
-      tolerance: rad, change of course up to which a point is no inflection.
-      clearance_limit: m, how far to look for blocked cells; default 16 cells.
+        paths: int[B, P, 2], cells, or float[B, P, 2], m.
+        lengths: int[B], points of each path, 0 where there is none; None: all P.
+        blocked: map for the clearance: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
+        cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
+        turn_cost: gamma, energy of a turn by 45 deg: e = gamma * angle / 45 deg (Zhang et al.
+            2019, Eq. 6, where it is 0.5).
+        energy_unit: m, length that costs an energy of 1 (Zhang: 100 m).
+        tolerance: rad, change of course up to which a point is no inflection.
+        clearance_limit: m, how far to look for blocked cells; default 16 cells.
 
     Raises:
-      BadTypeError, BadInputError: wrong types, shapes or numbers; a path that leaves the map, or
-        as many maps as do not go with the paths; more samples than memory holds.
+        BadTypeError, BadInputError: wrong types, shapes or numbers; a path that leaves the map, or
+            as many maps as do not go with the paths; more samples than memory holds.
     """
     frame = None
     if blocked is not None:

@@ -71,15 +71,15 @@ def sample_room(
     """How many points `sample_pieces` is to make room for on each of some paths.
 
     Args:
-      longest: m, of the paths.
-      spacing: m.
-      rows: number of paths.
-      what: the argument that asks for them and its value, for the message.
-      least: points, of the room.
-      factor: the room is a power of this.
+        longest: m, of the paths.
+        spacing: m.
+        rows: number of paths.
+        what: the argument that asks for them and its value, for the message.
+        least: points, of the room.
+        factor: the room is a power of this.
 
     Raises:
-      BadInputError: more than a path or the machine can have.
+        BadInputError: more than a path or the machine can have.
     """
     wanted = longest / spacing
     if not wanted < MOST_SAMPLES:
@@ -98,12 +98,12 @@ def sample_pieces(
     """Points along segments and arcs.
 
     Args:
-      pieces: start [B, S, 2], heading, length and curvature [B, S].
-      spacing: m.
-      capacity: most points of a path.
+        pieces: start [B, S, 2], heading, length and curvature [B, S].
+        spacing: m.
+        capacity: most points of a path.
 
     Returns:
-      float32[B, capacity, 2], points; headings and curvatures there; int32[B], their number.
+        float32[B, capacity, 2], points; headings and curvatures there; int32[B], their number.
     """
     width = bucket(max(pieces[1].shape[1], 16), 4)
 

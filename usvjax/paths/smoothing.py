@@ -27,9 +27,9 @@ class KeyPaths:
     """Paths through some of their points; numpy arrays, in the order of the arguments.
 
     Attributes:
-      path: int32[B, Q, 2], cells (x, y); the last is repeated.
-      path_cells: int32[B], points of each path, 0 where there was none.
-      index: int32[B, Q], place of each point in the path it came from.
+        path: int32[B, Q, 2], cells (x, y); the last is repeated.
+        path_cells: int32[B], points of each path, 0 where there was none.
+        index: int32[B, Q], place of each point in the path it came from.
     """
 
     path: np.ndarray
@@ -42,8 +42,8 @@ class DensePaths:
     """Paths in the world; numpy arrays.
 
     Attributes:
-      path: float64[B, Q, 2], points (m); the last is repeated.
-      path_cells: int32[B], points of each path, 0 where there was none.
+        path: float64[B, Q, 2], points (m); the last is repeated.
+        path_cells: int32[B], points of each path, 0 where there was none.
     """
 
     path: np.ndarray
@@ -55,10 +55,10 @@ class Splines:
     """B-splines along paths; numpy arrays.
 
     Attributes:
-      points: float64[B, n, 2], points (m).
-      heading: float32[B, n], rad.
-      curvature: float32[B, n], 1/m, positive to port.
-      counts: int32[B], n, or 0 where there was no path.
+        points: float64[B, n, 2], points (m).
+        heading: float32[B, n], rad.
+        curvature: float32[B, n], 1/m, positive to port.
+        counts: int32[B], n, or 0 where there was no path.
     """
 
     points: np.ndarray
@@ -75,18 +75,19 @@ def shorten(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool = Fa
     lattice it touches all four cells there, as for a diagonal step of `astar`.
 
     Args:
-      paths: int[B, P, 2], cells (x, y), as `astar` returns them; points past the end of a path
-        are ignored.
-      lengths: int[B], points of each path, `path_cells` of `astar`; 0 where there is no path.
-        None: all P.
-      blocked: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
-      corner_cutting: through a corner, count only the two cells that the segment passes
-        through; for paths that were searched so.
+        paths: int[B, P, 2], cells (x, y), as `astar` returns them; points past the end of a path
+            are ignored.
+        lengths: int[B], points of each path, `path_cells` of `astar`; 0 where there is no path.
+            None: all P.
+        blocked: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
+        corner_cutting: through a corner, count only the two cells that the segment passes
+            through; for paths that were searched so.
 
     Raises:
-      BadTypeError: paths that are not whole numbers, a map or a corner_cutting that is not boolean.
-      BadInputError: ragged or unequal batches, a path that leaves the map or meets a blocked
-        cell; the message names the first row.
+        BadTypeError: paths that are not whole numbers, a map or a corner_cutting that is not
+            boolean.
+        BadInputError: ragged or unequal batches, a path that leaves the map or meets a blocked
+            cell; the message names the first row.
     """
     return _pruned(paths, lengths, blocked, corner_cutting, repeat=False)
 
@@ -98,10 +99,10 @@ def key_points(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool =
     result is the first pass. `redensify` puts points back at the unit length.
 
     Args:
-      paths, lengths, blocked, corner_cutting: as `shorten`.
+        paths, lengths, blocked, corner_cutting: as `shorten`.
 
     Raises:
-      BadTypeError, BadInputError: as `shorten`.
+        BadTypeError, BadInputError: as `shorten`.
     """
     return _pruned(paths, lengths, blocked, corner_cutting, repeat=True)
 
@@ -114,13 +115,13 @@ def redensify(
     Source: Wei & Zhang 2023, section 2.2.1; their unit length is that of the search's grid.
 
     Args:
-      paths: int[B, P, 2], cells, or float[B, P, 2], m.
-      lengths: int[B], points of each path; None: all P.
-      unit: m.
-      cell_size: m, default 1; origin: (x, y), m, default (0, 0); where cells lie.
+        paths: int[B, P, 2], cells, or float[B, P, 2], m.
+        lengths: int[B], points of each path; None: all P.
+        unit: m.
+        cell_size: m, default 1; origin: (x, y), m, default (0, 0); where cells lie.
 
     Raises:
-      BadTypeError, BadInputError: wrong types, shapes or numbers.
+        BadTypeError, BadInputError: wrong types, shapes or numbers.
     """
     size, corner = scale(cell_size, origin)
     given = path_rows(paths, lengths)
@@ -166,15 +167,15 @@ def bspline(
     nor a turning radius.
 
     Args:
-      paths: int[B, P, 2], cells, or float[B, P, 2], m.
-      lengths: int[B], points of each path; None: all P. Two or three points give a spline of
-        degree one or two.
-      samples: points of each spline, at equal steps of its parameter.
-      cell_size: m, default 1; origin: (x, y), m, default (0, 0); where cells lie.
+        paths: int[B, P, 2], cells, or float[B, P, 2], m.
+        lengths: int[B], points of each path; None: all P. Two or three points give a spline of
+            degree one or two.
+        samples: points of each spline, at equal steps of its parameter.
+        cell_size: m, default 1; origin: (x, y), m, default (0, 0); where cells lie.
 
     Raises:
-      BadTypeError, BadInputError: wrong types, shapes or numbers; a path of one point; more
-        samples than memory holds.
+        BadTypeError, BadInputError: wrong types, shapes or numbers; a path of one point; more
+            samples than memory holds.
     """
     size, corner = scale(cell_size, origin)
     samples = whole_number("samples", samples, 2)

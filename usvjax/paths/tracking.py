@@ -35,13 +35,13 @@ class Tracks:
     """How B vessels followed their paths; numpy arrays.
 
     Attributes:
-      arrived: bool[B], abeam of the path's end in time.
-      collided: bool[B], at any control period on a blocked cell or off the map.
-      error: float32[B], largest distance from the path (m).
-      time: float32[B], s.
-      poses: float64[B, T + 1, 3], x, y (m), psi (rad) at every control period; stays at its
-        last when the vessel has arrived.
-      distance: float32[B, T + 1], from the path (m).
+        arrived: bool[B], abeam of the path's end in time.
+        collided: bool[B], at any control period on a blocked cell or off the map.
+        error: float32[B], largest distance from the path (m).
+        time: float32[B], s.
+        poses: float64[B, T + 1, 3], x, y (m), psi (rad) at every control period; stays at its
+            last when the vessel has arrived.
+        distance: float32[B, T + 1], from the path (m).
     """
 
     arrived: np.ndarray
@@ -74,19 +74,19 @@ def track_paths(
     long routes take a larger `dt` (u dt well below the recovery length) or a part of the route.
 
     Args:
-      paths: int[B, P, 2], cells, or float[B, P, 2], m: the straight segments to follow; or,
-        with `curvature`, samples of a smooth path as `smooth_turns` returns them.
-      lengths: int[B], points of each path, 0 where there is none; None: all P.
-      blocked: the map as it is, not inflated: bool[H, W] shared, bool[B, H, W], a `GridMap`.
-      curvature: float[B, P], 1/m, at the samples; None: straight segments.
-      params: speed, yaw rate, recovery length, control period; defaults to Chen's Table 1.
-      spacing: m, of the samples that stand for straight segments, which cut a right-angled
-        corner by up to a third of it; default a fifth of a cell, or u dt where that is more.
-      cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
+        paths: int[B, P, 2], cells, or float[B, P, 2], m: the straight segments to follow; or,
+            with `curvature`, samples of a smooth path as `smooth_turns` returns them.
+        lengths: int[B], points of each path, 0 where there is none; None: all P.
+        blocked: the map as it is, not inflated: bool[H, W] shared, bool[B, H, W], a `GridMap`.
+        curvature: float[B, P], 1/m, at the samples; None: straight segments.
+        params: speed, yaw rate, recovery length, control period; defaults to Chen's Table 1.
+        spacing: m, of the samples that stand for straight segments, which cut a right-angled
+            corner by up to a third of it; default a fifth of a cell, or u dt where that is more.
+        cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
 
     Raises:
-      BadTypeError, BadInputError: wrong types, shapes or numbers, a path off the map, more
-        samples or control periods than memory holds.
+        BadTypeError, BadInputError: wrong types, shapes or numbers, a path off the map, more
+            samples or control periods than memory holds.
     """
     frame = path_frame(blocked, cell_size, origin)
     given = path_rows(paths, lengths)

@@ -33,17 +33,17 @@ def repair_corners(
     before; if none is, the next corner left over has its turn in the next round.
 
     Args:
-      points: float64[B, P, 2], from the map's corner, m.
-      counts: int32[B].
-      cases: int32[B, C] of `Turn`, how the corners are sailed now.
-      frame: the maps.
-      vessel: what sails.
-      turn: `turn_corners`.
-      rounds: most rounds.
-      corner_cutting: let moved segments touch corners of blocked cells.
+        points: float64[B, P, 2], from the map's corner, m.
+        counts: int32[B].
+        cases: int32[B, C] of `Turn`, how the corners are sailed now.
+        frame: the maps.
+        vessel: what sails.
+        turn: `turn_corners`.
+        rounds: most rounds.
+        corner_cutting: let moved segments touch corners of blocked cells.
 
     Returns:
-      The paths, points and counts, and bool[B], which of them changed.
+        The paths, points and counts, and bool[B], which of them changed.
     """
     points, cases = points.copy(), cases.copy()
     changed = np.zeros(len(points), bool)

@@ -22,10 +22,10 @@ class PathPieces:
     """Segments and arcs of paths; numpy arrays, S pieces a path.
 
     Attributes:
-      start: float64[B, S, 2], m; nan where there is no piece.
-      heading: float32[B, S], course at the start, rad; nan where there is no piece.
-      length: float32[B, S], m; 0 where there is no piece, so that sums are of the path.
-      curvature: float32[B, S], 1/m, positive to port; 0 on a segment and where there is no piece.
+        start: float64[B, S, 2], m; nan where there is no piece.
+        heading: float32[B, S], course at the start, rad; nan where there is no piece.
+        length: float32[B, S], m; 0 where there is no piece, so that sums are of the path.
+        curvature: float32[B, S], 1/m, positive to port; 0 on a segment and where there is no piece.
     """
 
     start: np.ndarray
@@ -79,22 +79,22 @@ class SmoothTurns:
     """Smoothed paths; numpy arrays, in the order of the arguments.
 
     Attributes:
-      fitted: bool[B], whether every corner got its arcs; False where there was no path.
-      turns: int32[B, C], how each corner is sailed (`Turn`): 1 inside, 2 late, 3 early, -1 left
-        as it is since no template fits, 0 padding.
-      corners: float64[B, C, 2], where they are (m); nan where there was no path.
-      repaired: bool[B], whether corners were moved.
-      pieces: the segments and arcs.
-      points: float64[B, N, 2], samples (m) from the path's first point to its last; nan where
-        there was no path.
-      heading: float32[B, N], rad; curvature: float32[B, N], 1/m, at the samples; nan where there
-        was no path.
-      counts: int32[B], samples of each path, two at least where it has a length; the last is
-        repeated. 0 where there was no path.
-      length: float32[B], m; nan where there was no path.
-      turning: float32[B], sum of the changes of course, rad; nan where there was no path.
-      curvature_bound: float32[B], the largest curvature, 1/m; inf where a corner is left, nan
-        where there was no path.
+        fitted: bool[B], whether every corner got its arcs; False where there was no path.
+        turns: int32[B, C], how each corner is sailed (`Turn`): 1 inside, 2 late, 3 early, -1 left
+            as it is since no template fits, 0 padding.
+        corners: float64[B, C, 2], where they are (m); nan where there was no path.
+        repaired: bool[B], whether corners were moved.
+        pieces: the segments and arcs.
+        points: float64[B, N, 2], samples (m) from the path's first point to its last; nan where
+            there was no path.
+        heading: float32[B, N], rad; curvature: float32[B, N], 1/m, at the samples; nan where there
+            was no path.
+        counts: int32[B], samples of each path, two at least where it has a length; the last is
+            repeated. 0 where there was no path.
+        length: float32[B], m; nan where there was no path.
+        turning: float32[B], sum of the changes of course, rad; nan where there was no path.
+        curvature_bound: float32[B], the largest curvature, 1/m; inf where a corner is left, nan
+            where there was no path.
     """
 
     fitted: np.ndarray
@@ -137,24 +137,24 @@ def smooth_turns(
     and a quarter of a cell. Straight pieces are parts of the given path and as clear as it.
 
     Args:
-      paths: int[B, P, 2], cells (x, y), or float[B, P, 2], m; clear of blocked cells.
-      lengths: int[B], points of each path, 0 where there is none; None: all P.
-      blocked: the map, already inflated: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
-      turning_radius: R (m), the vessel's least turning radius; or float[B].
-      safety_range: R_s (m), how far from the corner an inside arc leaves the path, where that
-        is possible; default 2 R (Chen, Table 1). Or float[B].
-      cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
-      margin: m, at most a fifth of a cell; inflate the map for more.
-      spacing: m, of the samples; default R / 5.
-      corner_cutting: let the given path touch corners of blocked cells.
-      repair: rounds, each of which moves, on every path with a corner left over, that corner or
-        a neighbour to the best of some 100 places. 0 leaves corners where they are.
+        paths: int[B, P, 2], cells (x, y), or float[B, P, 2], m; clear of blocked cells.
+        lengths: int[B], points of each path, 0 where there is none; None: all P.
+        blocked: the map, already inflated: bool[H, W] shared, bool[B, H, W], or a `GridMap`.
+        turning_radius: R (m), the vessel's least turning radius; or float[B].
+        safety_range: R_s (m), how far from the corner an inside arc leaves the path, where that
+            is possible; default 2 R (Chen, Table 1). Or float[B].
+        cell_size: m, default 1; origin: (x, y), m, default (0, 0). A `GridMap` has its own.
+        margin: m, at most a fifth of a cell; inflate the map for more.
+        spacing: m, of the samples; default R / 5.
+        corner_cutting: let the given path touch corners of blocked cells.
+        repair: rounds, each of which moves, on every path with a corner left over, that corner or
+            a neighbour to the best of some 100 places. 0 leaves corners where they are.
 
     Raises:
-      BadTypeError: arguments of the wrong type.
-      BadInputError: R not above 0 or beyond the map's longer side, a path that leaves the map
-        or meets a blocked cell, ragged or unequal batches, numbers that are not finite, more
-        samples than memory holds.
+        BadTypeError: arguments of the wrong type.
+        BadInputError: R not above 0 or beyond the map's longer side, a path that leaves the map
+            or meets a blocked cell, ragged or unequal batches, numbers that are not finite, more
+            samples than memory holds.
     """
     frame = path_frame(blocked, cell_size, origin)
     given = path_rows(paths, lengths)

@@ -16,8 +16,8 @@ def check_on_water(paths: Paths, frame: Frame, corner_cutting: bool = False) -> 
     """Refuse paths that leave the map or touch a blocked cell.
 
     Raises:
-      BadTypeError: corner_cutting is not a bool.
-      BadInputError: naming the first row and place; or maps and paths of unequal number.
+        BadTypeError: corner_cutting is not a bool.
+        BadInputError: naming the first row and place; or maps and paths of unequal number.
     """
     check_corner_cutting(corner_cutting)
     check_on_map(paths, frame)
@@ -70,10 +70,10 @@ def segments_clear(
     """Whether segments touch no blocked cell and stay on the map; bool[n].
 
     Args:
-      starts, ends: float64[n, 2], in cells from the map's corner.
-      rows: int[n], the row whose map counts.
-      frame: the maps.
-      corner_cutting: cells are open squares instead of closed ones.
+        starts, ends: float64[n, 2], in cells from the map's corner.
+        rows: int[n], the row whose map counts.
+        frame: the maps.
+        corner_cutting: cells are open squares instead of closed ones.
     """
     shape = np.array(frame.blocked.shape[:0:-1])
     on_map = (starts >= 0) & (starts <= shape) & (ends >= 0) & (ends <= shape)

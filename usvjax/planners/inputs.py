@@ -21,14 +21,14 @@ class Defaults:
     """What a planner takes where the user says nothing, and what it can take.
 
     Attributes:
-      params: its parameters.
-      iterations: of it.
-      population: of it.
-      least: members that it needs.
-      most: members that it can have.
-      multiple: of which the population must be one.
-      ranges: (least, most) of each parameter, both allowed.
-      weights: parameters of which one at least must be `LEAST_WEIGHT`; none where empty.
+        params: its parameters.
+        iterations: of it.
+        population: of it.
+        least: members that it needs.
+        most: members that it can have.
+        multiple: of which the population must be one.
+        ranges: (least, most) of each parameter, both allowed.
+        weights: parameters of which one at least must be `LEAST_WEIGHT`; none where empty.
     """
 
     params: Any
@@ -46,11 +46,11 @@ class Request:
     """Checked arguments.
 
     Attributes:
-      scene: the queries.
-      seeds: uint32[2, B].
-      iterations: 1 or more.
-      population: enough for the algorithm.
-      params: of numbers.
+        scene: the queries.
+        seeds: uint32[2, B].
+        iterations: 1 or more.
+        population: enough for the algorithm.
+        params: of numbers.
     """
 
     scene: SearchScene
@@ -66,9 +66,9 @@ def planner_request(
     """Check the arguments of a planner.
 
     Raises:
-      BadTypeError: not a key, not whole numbers, another planner's parameters.
-      BadInputError: too few members or iterations, a parameter out of range or not finite, keys
-        that are not one for each query.
+        BadTypeError: not a key, not whole numbers, another planner's parameters.
+        BadInputError: too few members or iterations, a parameter out of range or not finite, keys
+            that are not one for each query.
     """
     if iterations is None:
         iterations = defaults.iterations

@@ -26,14 +26,14 @@ class PlanResult:
     """How B queries ended; numpy arrays, in the order of the arguments.
 
     Attributes:
-      status: int32[B], `Status`: FOUND, UNREACHABLE (proven, by the connected water),
-        OUT_OF_BUDGET (the planner found none) or BLOCKED.
-      path: int32[B, P, 2], cells (x, y) from start to goal, the goal repeated up to the longest
-        path; -1 throughout without a path.
-      path_cells: int32[B], cells of the path, start and goal included; 0 without a path.
-      cost: float64[B], length of the path in cells; inf without one.
-      history: float64[B, iterations], length of the best path so far (of "ga", the one of best
-        fitness so far, which may be longer than one before); inf as long as there was none.
+        status: int32[B], `Status`: FOUND, UNREACHABLE (proven, by the connected water),
+            OUT_OF_BUDGET (the planner found none) or BLOCKED.
+        path: int32[B, P, 2], cells (x, y) from start to goal, the goal repeated up to the longest
+            path; -1 throughout without a path.
+        path_cells: int32[B], cells of the path, start and goal included; 0 without a path.
+        cost: float64[B], length of the path in cells; inf without one.
+        history: float64[B, iterations], length of the best path so far (of "ga", the one of best
+            fitness so far, which may be longer than one before); inf as long as there was none.
     """
 
     status: np.ndarray
@@ -68,22 +68,22 @@ def plan_paths(
     on its own map, ends and key alone.
 
     Args:
-      blocked: bool[H, W] shared by all, bool[B, H, W], or a `GridMap` (shared).
-      starts: int[B, 2], cells (x, y); or int[2], shared.
-      goals: int[B, 2], cells (x, y); or int[2], shared.
-      key: a seed or a JAX key, of which query j takes the j-th part; or keys [B], one each, such
-        as a mission has that plans now for these and now for those vessels.
-      algorithm: "aco" (ants), "ga" (genes) or "cmpso" (particles).
-      iterations: by default 100, of "ga" 50 (the paper's, of "cmpso" ours).
-      population: ants, individuals or particles; by default 200 (the paper's), 200 and 60 (ours).
-      params: `AcoParams`, `GaParams` or `CmpsoParams` of `usvjax.planners`, of numbers; by default
-        the paper's.
-      on_blocked: "raise" refuses a start or goal on a blocked cell, "status" marks such rows.
+        blocked: bool[H, W] shared by all, bool[B, H, W], or a `GridMap` (shared).
+        starts: int[B, 2], cells (x, y); or int[2], shared.
+        goals: int[B, 2], cells (x, y); or int[2], shared.
+        key: a seed or a JAX key, of which query j takes the j-th part; or keys [B], one each, such
+            as a mission has that plans now for these and now for those vessels.
+        algorithm: "aco" (ants), "ga" (genes) or "cmpso" (particles).
+        iterations: by default 100, of "ga" 50 (the paper's, of "cmpso" ours).
+        population: ants, individuals or particles; by default 200 (the paper's), 200 and 60 (ours).
+        params: `AcoParams`, `GaParams` or `CmpsoParams` of `usvjax.planners`, of numbers; by
+            default the paper's.
+        on_blocked: "raise" refuses a start or goal on a blocked cell, "status" marks such rows.
 
     Raises:
-      BadTypeError: an argument of the wrong type or dtype.
-      BadInputError: an unknown algorithm, a number out of range, cells outside the map or (by
-        default) blocked, wrong or unequal shapes, more memory wanted than there is.
+        BadTypeError: an argument of the wrong type or dtype.
+        BadInputError: an unknown algorithm, a number out of range, cells outside the map or (by
+            default) blocked, wrong or unequal shapes, more memory wanted than there is.
     """
     one_of("algorithm", algorithm, ALGORITHMS)
     defaults, plan_rows = _PLANNERS[algorithm]

@@ -105,10 +105,10 @@ def _planned(
     """Moves and histories of the queries, planned in groups of like length.
 
     Args:
-      kernel: of the algorithm.
-      request: checked.
-      rows: int[n], of the request.
-      across: bool[n], rows of the path are columns of the map.
+        kernel: of the algorithm.
+        request: checked.
+        rows: int[n], of the request.
+        across: bool[n], rows of the path are columns of the map.
     """
     scene, devices = request.scene, chosen_devices()
     group = GROUP if len(rows) > len(devices) else 1

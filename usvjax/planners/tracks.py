@@ -12,10 +12,10 @@ class Tracks:
     """Paths of n queries.
 
     Attributes:
-      cells: int32[n, P, 2], (x, y) from the start on; past `count` undefined.
-      count: int64[n], cells of each path.
-      length: float64[n], in cells; inf where there is none.
-      history: float64[n, iterations], length of the best path so far.
+        cells: int32[n, P, 2], (x, y) from the start on; past `count` undefined.
+        count: int64[n], cells of each path.
+        length: float64[n], in cells; inf where there is none.
+        history: float64[n, iterations], length of the best path so far.
     """
 
     cells: np.ndarray
@@ -30,10 +30,10 @@ def tracks_of_moves(
     """Follow moves from the starts.
 
     Args:
-      starts: int[n, 2], cells (x, y).
-      move: int[n, M], indices into `moves.MOVES`; past `steps` undefined.
-      steps: int[n], moves of each path; 0 where there is no path.
-      history: float[n, iterations].
+        starts: int[n, 2], cells (x, y).
+        move: int[n, M], indices into `moves.MOVES`; past `steps` undefined.
+        steps: int[n], moves of each path; 0 where there is no path.
+        history: float[n, iterations].
     """
     move = move[:, : max(1, steps.max(initial=1))]
     made = np.arange(move.shape[1]) < steps[:, None]

@@ -41,8 +41,8 @@ def new_sheet(grid: GridMap, view: View | None = None) -> tuple[Figure, Axes]:
     """Make a figure 170 mm wide with a map on it, north up.
 
     Args:
-        grid: The map.
-        view: The part to show; None shows the whole map.
+        grid: the map.
+        view: the part to show; None shows the whole map.
 
     Returns:
         The figure and its axes, in m. Draw on them, then call `finish_sheet`.
@@ -60,10 +60,10 @@ def finish_sheet(fig: Figure, ax: Axes, grid: GridMap, source: str) -> Figure:
     """Add scale bar, north arrow, axis labels and source to a sheet, and run its layout.
 
     Args:
-        fig: The figure, with its title and legends.
-        ax: Its axes, with their limits.
-        grid: The map on it.
-        source: Source and licence of the map, written below it; "" writes none.
+        fig: the figure, with its title and legends.
+        ax: its axes, with their limits.
+        grid: the map on it.
+        source: source and licence of the map, written below it; "" writes none.
 
     Returns:
         The figure.
@@ -82,8 +82,8 @@ def paint_map(ax: Axes, grid: GridMap) -> None:
     """Paint the cells of a map and the lines between land and water.
 
     Args:
-        ax: Axes in m; their limits become those of the map.
-        grid: The map.
+        ax: axes in m; their limits become those of the map.
+        grid: the map.
     """
     west, east, south, north = grid.extent
     ax.imshow(
@@ -109,7 +109,7 @@ def label_axes(ax: Axes) -> None:
     """Label axes in metres, or in kilometres where they show 5 km or more.
 
     Args:
-        ax: Axes in m, with their limits.
+        ax: axes in m, with their limits.
     """
     kilometres = _is_wide(ax)
     scale = 1000.0 if kilometres else 1.0
@@ -128,8 +128,8 @@ def draw_source(ax: Axes, text: str) -> None:
     """Write the source of a map small in the south-east corner, folded to fit.
 
     Args:
-        ax: Axes whose layout is settled, as the room is measured.
-        text: Source and licence; "" writes nothing.
+        ax: axes whose layout is settled, as the room is measured.
+        text: source and licence; "" writes nothing.
     """
     if not text:
         return

@@ -31,23 +31,23 @@ def plot_chart(
     """Draw trajectories on a map of land and water, coloured by outcome, north up.
 
     Args:
-        grid_map: The map; `blocked` cells are land.
+        grid_map: the map; `blocked` cells are land.
         trajectories: float[B, T, 2 or more]; the first two columns are (x, y) in m, NaN is
             padding.
         status: int[B], codes of `usvkernels.status.Status`.
-        max_paths: Draw at most so many, spread evenly over the B given; the counts in the
+        max_paths: draw at most so many, spread evenly over the B given; the counts in the
             legend are always of all B.
-        sampled_from: How many episodes the B given are a sample of, for the title.
+        sampled_from: how many episodes the B given are a sample of, for the title.
         view: (west, east, south, north), m: the part to show; None shows the whole map.
-        attribution: Source of the chart, written small into it; None takes the map's own.
-        title: Title of the axes.
+        attribution: source of the chart, written small into it; None takes the map's own.
+        title: title of the axes.
 
     Returns:
         The figure, 170 mm wide. Data coordinates are metres; the axes are labelled in
         kilometres from 5 km up.
 
     Raises:
-        BadInputError: Shapes that do not agree, an unknown status, max_paths below 1, or an
+        BadInputError: shapes that do not agree, an unknown status, max_paths below 1, or an
             empty view.
     """
     tracks, codes = _check(trajectories, status, max_paths)
@@ -86,17 +86,17 @@ def detail(
     """Choose the square in which most episodes failed, for `plot_chart`'s `view`.
 
     Args:
-        grid_map: The map; the square lies inside it where it fits.
+        grid_map: the map; the square lies inside it where it fits.
         trajectories: float[B, T, 2 or more], m, NaN is padding.
         status: int[B].
-        width: Side of the square, m.
+        width: side of the square, m.
 
     Returns:
         (west, east, south, north), m, about the end of a failed episode, the first of equals;
         None where none failed.
 
     Raises:
-        BadInputError: Shapes that do not agree, or an unknown status.
+        BadInputError: shapes that do not agree, or an unknown status.
     """
     tracks, codes = _check(trajectories, status, 1)
     failed = np.flatnonzero(codes != Status.REACHED)

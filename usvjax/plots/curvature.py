@@ -63,7 +63,7 @@ def bends_of(
             are padding.
 
     Raises:
-        BadInputError: Shapes that do not agree, or no finite point.
+        BadInputError: shapes that do not agree, or no finite point.
     """
     line = clean_track(points, "points")
     step = np.diff(line, axis=0)
@@ -99,17 +99,17 @@ def plot_curvature(
     """Draw the curvature along routes, one above the other, with the bounds +-1/R.
 
     Args:
-        routes: Name to how the route bends. Corners are drawn as stems, since a corner's
+        routes: name to how the route bends. Corners are drawn as stems, since a corner's
             curvature depends on how finely the path is cut; curves as steps from sample to
             sample. Corners left in a curve are crosses: their curvature has no bound.
         turning_radius: R, m.
-        title: Title of the figure.
+        title: title of the figure.
 
     Returns:
         The figure, 170 mm wide.
 
     Raises:
-        BadInputError: No route, or a radius that is not above 0.
+        BadInputError: no route, or a radius that is not above 0.
     """
     if not routes:
         raise BadInputError("routes is empty; at least one was wanted")

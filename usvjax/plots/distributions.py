@@ -39,14 +39,14 @@ def both_reached(table: pl.DataFrame, success: Status = Status.REACHED) -> pl.Da
     Comparing times over episodes that only one method survived would compare different maps.
 
     Args:
-        table: One row per (condition, method, job), columns job, condition, method, status.
-        success: The status that counts as reached.
+        table: one row per (condition, method, job), columns job, condition, method, status.
+        success: the status that counts as reached.
 
     Returns:
         The rows of those episodes, in the order they had.
 
     Raises:
-        BadInputError: A column is missing.
+        BadInputError: a column is missing.
     """
     style.require_columns(table.columns, _NEEDED)
     reached = pl.col("status") == int(success)
@@ -70,17 +70,17 @@ def plot_distributions(
     that cuts a tail.
 
     Args:
-        table: One row per (condition, method, job) with columns job, condition, method,
+        table: one row per (condition, method, job) with columns job, condition, method,
             status and the metrics (SI units).
-        labels: Condition number to what it is, for titles.
-        metrics: Columns to draw, one row of axes each.
-        title: Title of the figure.
+        labels: condition number to what it is, for titles.
+        metrics: columns to draw, one row of axes each.
+        title: title of the figure.
 
     Returns:
         The figure, 170 mm wide; the number of episodes is written with every condition.
 
     Raises:
-        BadInputError: A column is missing, or in no condition did all methods reach the goal.
+        BadInputError: a column is missing, or in no condition did all methods reach the goal.
     """
     style.require_columns(table.columns, {name: "a metric to draw" for name in metrics})
     kept = both_reached(table)
@@ -203,10 +203,10 @@ def draw_boxes(
     """Draw boxes: quartiles and median, whiskers from the 5th to the 95th percentile.
 
     Args:
-        ax: Axes to draw on.
-        samples: Place on x and values of each, at least one; none draws nothing.
-        width: Of a box.
-        colour: Its filling.
+        ax: axes to draw on.
+        samples: place on x and values of each, at least one; none draws nothing.
+        width: of a box.
+        colour: its filling.
     """
     if not samples:
         return

@@ -18,11 +18,11 @@ def median_job(
     """Choose the job of median length, or the like, among those in which every method succeeded.
 
     Args:
-        rows: Of one condition.
-        method: Whose length it is.
-        column: A metric.
-        success: The status that counts as success.
-        what: Words for such a job, should there be none: "query that every method solved".
+        rows: of one condition.
+        method: whose length it is.
+        column: a metric.
+        success: the status that counts as success.
+        what: words for such a job, should there be none: "query that every method solved".
 
     Returns:
         The job, and why it was chosen; the first job where there is none such.

@@ -44,18 +44,18 @@ def write_film(
     """Write a film as GIF or MP4, whole or not at all.
 
     Args:
-        film: What to show.
-        path: File to write: .gif, or .mp4 where ffmpeg is installed.
-        max_frames: Frames at most; steps between them are skipped evenly.
-        fps: Frames per second.
-        dpi: Dots per inch.
-        progress: Called with (frames done, frames in all) after every frame.
+        film: what to show.
+        path: file to write: .gif, or .mp4 where ffmpeg is installed.
+        max_frames: frames at most; steps between them are skipped evenly.
+        fps: frames per second.
+        dpi: dots per inch.
+        progress: called with (frames done, frames in all) after every frame.
 
     Returns:
         The path written.
 
     Raises:
-        BadInputError: Another suffix, no ffmpeg for an .mp4, max_frames, fps or dpi below 1,
+        BadInputError: another suffix, no ffmpeg for an .mp4, max_frames, fps or dpi below 1,
             or a place that cannot be written.
     """
     target = Path(path)

@@ -12,8 +12,8 @@ def plot_map(grid_map: GridMap, *, title: str | None = None) -> Figure:
     """Draw a map, north up, axes in metres, or in kilometres from 5 km up.
 
     Args:
-        grid_map: The map; `blocked` cells are land.
-        title: Title; None gives the name, size and cell size of the map.
+        grid_map: the map; `blocked` cells are land.
+        title: title; None gives the name, size and cell size of the map.
 
     Returns:
         The figure, 170 mm wide. Data coordinates are metres.

@@ -74,20 +74,20 @@ def plot_methods(
     """Draw how methods compare: the share of successes, and boxes of three metrics.
 
     Args:
-        table: One row per (condition, method, job) with columns job, condition, method, status
+        table: one row per (condition, method, job) with columns job, condition, method, status
             and the metrics that are compared.
-        methods: Methods, in the order of the figure.
-        compared: What counts as success and which metrics are drawn.
-        labels: Condition number to what it is.
-        confidence: Coverage of the intervals of the share of successes.
-        title: Title of the figure.
+        methods: methods, in the order of the figure.
+        compared: what counts as success and which metrics are drawn.
+        labels: condition number to what it is.
+        confidence: coverage of the intervals of the share of successes.
+        title: title of the figure.
 
     Returns:
         The figure, 170 mm wide. Boxes (quartiles, median, whiskers from the 5th to the 95th
         percentile) are over the jobs in which every method succeeded.
 
     Raises:
-        BadInputError: A column is missing or the table is empty.
+        BadInputError: a column is missing or the table is empty.
     """
     wanted = {panel.column: "a metric to draw" for panel in compared.panels}
     style.require_columns(table.columns, wanted)

@@ -21,7 +21,7 @@ class Outcome:
     """How one episode ended, for a legend.
 
     Attributes:
-        status: Code of `usvkernels.status.Status`.
+        status: code of `usvkernels.status.Status`.
         time: s.
         path_length: m.
     """
@@ -48,21 +48,21 @@ def plot_paths(
     Args:
         obstacles: float[K, 2], centres (x, y) in m; rows with NaN are padding, rows far from
             every path are left out.
-        radius: Radius of the expanded obstacles, m.
-        trajectories: Method name to float[T, 2 or more], whose first two columns are (x, y)
+        radius: radius of the expanded obstacles, m.
+        trajectories: method name to float[T, 2 or more], whose first two columns are (x, y)
             in m; rows with NaN are padding.
         start: float[2 or more], (x, y, ...) in m.
         goal: float[2], (x, y) in m.
-        outcomes: Method name to its outcome, said in the legend; without it the legend gives
+        outcomes: method name to its outcome, said in the legend; without it the legend gives
             the length that is drawn.
-        goal_tolerance: Radius of the goal's circle, m; None draws no circle.
-        title: Title of the axes.
+        goal_tolerance: radius of the goal's circle, m; None draws no circle.
+        title: title of the axes.
 
     Returns:
         The figure, 85 mm wide.
 
     Raises:
-        BadInputError: No trajectory, one without a finite point, a wrong shape, a negative
+        BadInputError: no trajectory, one without a finite point, a wrong shape, a negative
             radius, or an outcome for a method that has no trajectory.
     """
     centres = clean_points(obstacles, "obstacles")
@@ -108,13 +108,13 @@ def clean_points(points: ArrayLike, name: str) -> FloatArray:
 
     Args:
         points: float[K, 2], m.
-        name: Name of the argument, for the message.
+        name: name of the argument, for the message.
 
     Returns:
         float[K', 2], without the rows that hold NaN or infinity.
 
     Raises:
-        BadInputError: The shape is not [K, 2].
+        BadInputError: the shape is not [K, 2].
     """
     array = np.asarray(points, dtype=float)
     if array.ndim != 2 or array.shape[1] != 2:
@@ -128,13 +128,13 @@ def clean_track(track: ArrayLike, name: str) -> FloatArray:
 
     Args:
         track: float[T, 2 or more]; the first two columns are (x, y) in m.
-        name: Name of the trajectory, for the message.
+        name: name of the trajectory, for the message.
 
     Returns:
         float[T', 2], without rows whose position is NaN.
 
     Raises:
-        BadInputError: A wrong shape, or no finite position.
+        BadInputError: a wrong shape, or no finite position.
     """
     array = np.asarray(track, dtype=float)
     if array.ndim != 2 or array.shape[1] < 2:
@@ -154,9 +154,9 @@ def view_limits(
     padding, which lies far away by convention, and does not widen the view.
 
     Args:
-        tracks: Arrays float[T, 2], m.
+        tracks: arrays float[T, 2], m.
         centres: float[K, 2], m.
-        radius: Radius of the obstacles, m.
+        radius: radius of the obstacles, m.
 
     Returns:
         ((x_min, x_max), (y_min, y_max)), m.
@@ -183,7 +183,7 @@ def draw_obstacles(ax: Axes, centres: FloatArray, radius: float) -> list[Line2D]
     """Draw circles to scale and their centres; return the legend's handle, if there are any.
 
     Args:
-        ax: Axes of a map.
+        ax: axes of a map.
         centres: float[K, 2], m.
         radius: m.
 
@@ -228,7 +228,7 @@ def draw_ends(
     """Mark start and goal, with the goal's circle where a tolerance is given.
 
     Args:
-        ax: Axes of a map.
+        ax: axes of a map.
         start: float[2], m.
         goal: float[2], m.
         goal_tolerance: m, or None.

@@ -30,15 +30,15 @@ def wilson_rates(table: pl.DataFrame, *, confidence: float = CONFIDENCE) -> pl.D
     """Rates of every ending per condition and method, with Wilson's score interval.
 
     Args:
-        table: One row per episode with columns condition, method and status.
-        confidence: Coverage of the interval.
+        table: one row per episode with columns condition, method and status.
+        confidence: coverage of the interval.
 
     Returns:
         A table with columns condition, method, status, k, n, rate, low, high: one row per
         condition, method and ending, endings that never happened included.
 
     Raises:
-        BadInputError: A column is missing, the table is empty, or a status is unknown.
+        BadInputError: a column is missing, the table is empty, or a status is unknown.
     """
     style.require_columns(table.columns, _NEEDED)
     if table.is_empty():
@@ -104,18 +104,18 @@ def plot_success(
     has a column; otherwise the conditions stand side by side under their labels.
 
     Args:
-        table: One row per episode with columns condition, method and status.
-        radius: Condition number to obstacle radius, m.
-        rate: Condition number to obstacle rate (share of cells), 1.
-        labels: Condition number to its label, used where radius and rate do not form a grid.
-        confidence: Coverage of every single interval.
-        title: Title of the figure.
+        table: one row per episode with columns condition, method and status.
+        radius: condition number to obstacle radius, m.
+        rate: condition number to obstacle rate (share of cells), 1.
+        labels: condition number to its label, used where radius and rate do not form a grid.
+        confidence: coverage of every single interval.
+        title: title of the figure.
 
     Returns:
         The figure, 170 mm wide.
 
     Raises:
-        BadInputError: As `wilson_rates`.
+        BadInputError: as `wilson_rates`.
     """
     rates = wilson_rates(table, confidence=confidence)
     conditions = rates["condition"].unique().sort().to_list()

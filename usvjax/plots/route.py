@@ -44,24 +44,24 @@ def plot_routes(
     """Draw routes between the same two points on a chart, north up.
 
     Args:
-        grid_map: The map; `blocked` cells are land.
-        routes: Name to float[P, 2 or more], whose first two columns are (x, y) in m; rows with
+        grid_map: the map; `blocked` cells are land.
+        routes: name to float[P, 2 or more], whose first two columns are (x, y) in m; rows with
             NaN are padding. Names of methods have their own colour and line in every figure.
             Later ones lie above earlier ones.
-        labels: Name to what the legend says; by default the name and the length. It also says
+        labels: name to what the legend says; by default the name and the length. It also says
             which routes are the same.
         view: (west, east, south, north), m; by default the part around the routes.
-        closeup: Width, m, of a second chart of where the first route turns most; None draws
+        closeup: width, m, of a second chart of where the first route turns most; None draws
             none.
         turning_radius: R, m; draws the vessel's turning circle to scale into the close-up.
-        title: Title of the axes.
+        title: title of the axes.
 
     Returns:
         The figure, 170 mm wide. Data coordinates are metres; the axes are labelled in
         kilometres from 5 km up.
 
     Raises:
-        BadInputError: No route, one of a wrong shape or without a finite point, or a close-up
+        BadInputError: no route, one of a wrong shape or without a finite point, or a close-up
             that is not above 0 wide.
     """
     if not routes:
@@ -149,7 +149,7 @@ def closeup_width(
     """Choose how wide a close-up of some routes is.
 
     Args:
-        grid_map: The map.
+        grid_map: the map.
         lines: float[P, 2] each, m.
         turning_radius: R, m, or None.
 
@@ -166,7 +166,7 @@ def busiest(line: FloatArray, width: float) -> base_map.View:
 
     Args:
         line: float[P, 2], m.
-        width: Side of the square, m.
+        width: side of the square, m.
 
     Returns:
         (west, east, south, north), m, about the point with the most turning within reach, the
@@ -193,16 +193,16 @@ def plot_route_chart(
     """Draw many routes on one chart, with their ends, north up.
 
     Args:
-        grid_map: The map; `blocked` cells are land.
+        grid_map: the map; `blocked` cells are land.
         routes: float[P, 2 or more] each, whose first two columns are (x, y) in m.
         view: (west, east, south, north), m; by default the whole map.
-        title: Title of the axes.
+        title: title of the axes.
 
     Returns:
         The figure, 170 mm wide, as that of `plot_routes`.
 
     Raises:
-        BadInputError: No route, one of a wrong shape or without a finite point.
+        BadInputError: no route, one of a wrong shape or without a finite point.
     """
     if not len(routes):
         raise BadInputError("routes is empty; at least one was wanted")
@@ -235,7 +235,7 @@ def view_around(grid_map: GridMap, lines: Sequence[FloatArray]) -> base_map.View
     """Choose the part of a map that shows some lines with room about them.
 
     Args:
-        grid_map: The map; the view lies inside it where it fits.
+        grid_map: the map; the view lies inside it where it fits.
         lines: float[P, 2] each, m.
 
     Returns:

@@ -120,7 +120,7 @@ def register_looks(looks: Mapping[str, Look]) -> None:
     """Fix how methods look, the same in every figure; a mission does so before it draws.
 
     Args:
-        looks: By name of the method, in the order in which figures show them.
+        looks: by name of the method, in the order in which figures show them.
     """
     _METHODS.update(looks)
 
@@ -129,7 +129,7 @@ def method_looks(methods: Iterable[str]) -> dict[str, Look]:
     """Colour, line style and marker of each method, the same in every figure.
 
     Args:
-        methods: Names of methods, in any order.
+        methods: names of methods, in any order.
 
     Returns:
         A dict from name to its look; registered ones keep theirs whatever stands beside them.
@@ -189,8 +189,8 @@ def tick_names(names: Sequence[str], room: int) -> tuple[list[str], dict[str, An
     """Fold tick labels that stand side by side; slant or turn them where they do not fit.
 
     Args:
-        names: The labels.
-        room: Letters that fit side by side on the axis.
+        names: the labels.
+        room: letters that fit side by side on the axis.
 
     Returns:
         The labels, and keyword arguments for `Axes.set_xticks`.
@@ -221,7 +221,7 @@ def status_name(status: int) -> str:
     """Say a status code in words.
 
     Raises:
-        BadInputError: The code is none of `usvkernels.status.Status`.
+        BadInputError: the code is none of `usvkernels.status.Status`.
     """
     if int(status) not in STATUS_LABEL:
         wanted = ", ".join(f"{code.value} {code.name}" for code in map(Status, STATUS_LABEL))
@@ -233,11 +233,11 @@ def require_columns(columns: Iterable[str], wanted: Mapping[str, str]) -> None:
     """Check that a result table has the columns a figure needs.
 
     Args:
-        columns: The columns there are.
-        wanted: Column name to what it holds, for the message.
+        columns: the columns there are.
+        wanted: column name to what it holds, for the message.
 
     Raises:
-        BadInputError: One is missing.
+        BadInputError: one is missing.
     """
     there = list(columns)
     for name, meaning in wanted.items():
@@ -252,14 +252,14 @@ def write_atomically(path: Path, write: Callable[[Path], object]) -> Path:
     A reader never sees half a file, and a failure leaves what was there before.
 
     Args:
-        path: Where the file shall be; missing folders are made.
-        write: Called with the temporary path, which has the suffix of `path`.
+        path: where the file shall be; missing folders are made.
+        write: called with the temporary path, which has the suffix of `path`.
 
     Returns:
         `path`.
 
     Raises:
-        BadInputError: The folder or the file cannot be written.
+        BadInputError: the folder or the file cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -284,15 +284,15 @@ def save(fig: Figure, path: str | Path, *, dpi: int = DPI) -> Path:
     """Write a figure, whole or not at all.
 
     Args:
-        fig: Any figure of this package.
-        path: File to write; its suffix (.png, .pdf or .svg) chooses the format.
-        dpi: Dots per inch of a PNG.
+        fig: any figure of this package.
+        path: file to write; its suffix (.png, .pdf or .svg) chooses the format.
+        dpi: dots per inch of a PNG.
 
     Returns:
         The path written.
 
     Raises:
-        BadInputError: Another suffix, a dpi that is not positive, or a place that cannot be
+        BadInputError: another suffix, a dpi that is not positive, or a place that cannot be
             written.
     """
     target = Path(path)

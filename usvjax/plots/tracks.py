@@ -42,18 +42,18 @@ def track_film(
     Args:
         places: float[T, n, 2], (x, y) of n vessels in m; NaN where one is not there.
         along: float[T], when they are there, or how far.
-        unit: Of `along`, "s" or "m".
-        grid_map: Land and water to draw below, or None.
+        unit: of `along`, "s" or "m".
+        grid_map: land and water to draw below, or None.
         circles: float[K, 2], centres of round obstacles, m.
-        radius: Of the circles, m.
-        marks: Places to mark by what they are, float[N, 2] each, m.
-        title: Title of the figure.
+        radius: of the circles, m.
+        marks: places to mark by what they are, float[N, 2] each, m.
+        title: title of the figure.
 
     Returns:
         The film, a step for each row of `places`.
 
     Raises:
-        BadInputError: There is no place to show, or `along` is of another length.
+        BadInputError: there is no place to show, or `along` is of another length.
     """
     if places.ndim != 3 or places.shape[2] != 2 or not np.isfinite(places).any():
         raise BadInputError(f"places has shape {places.shape}; (T, n, 2) with a place was wanted")

@@ -41,16 +41,16 @@ class AstarResult:
     """How B queries ended; numpy arrays, in the order of the arguments.
 
     Attributes:
-      status: int32[B], `Status`: FOUND, UNREACHABLE (proven), OUT_OF_BUDGET or BLOCKED.
-      cost: float64[B], length of the path in cells, plus its turning cost where one was asked
-        for; inf without a path.
-      path: int32[B, P, 2], cells (x, y) from start to goal, the goal repeated up to the longest
-        path; -1 throughout without a path.
-      path_cells: int32[B], cells of the path, start and goal included; 0 without a path.
-      turning: float64[B], turning angles along the path added up (rad).
-      expanded: int32[B], cells (turning costs taken exactly: states) taken off the open list,
-        the goal included. By sweeps, those that A* must expand, however it breaks ties.
-      engine: "queue" or "sweep", which answered.
+        status: int32[B], `Status`: FOUND, UNREACHABLE (proven), OUT_OF_BUDGET or BLOCKED.
+        cost: float64[B], length of the path in cells, plus its turning cost where one was asked
+            for; inf without a path.
+        path: int32[B, P, 2], cells (x, y) from start to goal, the goal repeated up to the longest
+            path; -1 throughout without a path.
+        path_cells: int32[B], cells of the path, start and goal included; 0 without a path.
+        turning: float64[B], turning angles along the path added up (rad).
+        expanded: int32[B], cells (turning costs taken exactly: states) taken off the open list,
+            the goal included. By sweeps, those that A* must expand, however it breaks ties.
+        engine: "queue" or "sweep", which answered.
     """
 
     status: np.ndarray
@@ -93,39 +93,39 @@ def astar(
     on the other queries or on the devices.
 
     Args:
-      blocked: bool[H, W] shared by all, bool[B, H, W], or a `GridMap` (shared).
-      starts: int[B, 2], cells (x, y); or int[2], shared.
-      goals: int[B, 2], cells (x, y); or int[2], shared.
-      turn_cost: gamma of Zhang et al. 2019, Eq. 6, in cells per 45 degrees of turning, to the
-        nearest 1/2378, in the search and in `cost`; the first move turns from nowhere. The
-        paper's is 0.5.
-      heuristic: "octile", "euclidean", "chebyshev", "manhattan" or "zero" (Dijkstra). Manhattan
-        overestimates with diagonal moves (Zhang et al. 2019, Eq. 5): paths may be longer than
-        the shortest.
-      corner_cutting: whether a diagonal step may pass a blocked cell beside it; by default both
-        must be free.
-      connectivity: 8, or 4 for straight moves only.
-      weight: factor on the heuristic; above 1, paths are at most that much longer.
-      turn_mode: with a turn cost, "exact" for the least sum of length and turning cost (search
-        over cell and heading); "parent" for Eq. 7 as printed, F = g + h + e, where e depends on
-        the cell's parent and counts in the choice of the next cell only, closed cells staying
-        closed; "accumulated" for the other reading of it, where e counts in g from there on.
-      max_expansions: of a query, after which it is OUT_OF_BUDGET; by default there is no bound
-        but that of cells, or of 100 times as many where cells are opened again: with a weight
-        above 1 or Manhattan with diagonals, when a shorter way to them is found.
-      on_blocked: "raise" refuses a start or goal on a blocked cell, "status" marks such rows.
-      engine: "queue", "sweep" (only without turn cost, weight, `max_expansions` and with a
-        heuristic that is consistent), or "auto": sweeps for the octile heuristic, or 4
-        neighbours and Manhattan, where they can answer and the map has at most 65,536 cells.
-      max_lanes: most searches under way at once on a device; for measurements.
+        blocked: bool[H, W] shared by all, bool[B, H, W], or a `GridMap` (shared).
+        starts: int[B, 2], cells (x, y); or int[2], shared.
+        goals: int[B, 2], cells (x, y); or int[2], shared.
+        turn_cost: gamma of Zhang et al. 2019, Eq. 6, in cells per 45 degrees of turning, to the
+            nearest 1/2378, in the search and in `cost`; the first move turns from nowhere. The
+            paper's is 0.5.
+        heuristic: "octile", "euclidean", "chebyshev", "manhattan" or "zero" (Dijkstra). Manhattan
+            overestimates with diagonal moves (Zhang et al. 2019, Eq. 5): paths may be longer than
+            the shortest.
+        corner_cutting: whether a diagonal step may pass a blocked cell beside it; by default both
+            must be free.
+        connectivity: 8, or 4 for straight moves only.
+        weight: factor on the heuristic; above 1, paths are at most that much longer.
+        turn_mode: with a turn cost, "exact" for the least sum of length and turning cost (search
+            over cell and heading); "parent" for Eq. 7 as printed, F = g + h + e, where e depends on
+            the cell's parent and counts in the choice of the next cell only, closed cells staying
+            closed; "accumulated" for the other reading of it, where e counts in g from there on.
+        max_expansions: of a query, after which it is OUT_OF_BUDGET; by default there is no bound
+            but that of cells, or of 100 times as many where cells are opened again: with a weight
+            above 1 or Manhattan with diagonals, when a shorter way to them is found.
+        on_blocked: "raise" refuses a start or goal on a blocked cell, "status" marks such rows.
+        engine: "queue", "sweep" (only without turn cost, weight, `max_expansions` and with a
+            heuristic that is consistent), or "auto": sweeps for the octile heuristic, or 4
+            neighbours and Manhattan, where they can answer and the map has at most 65,536 cells.
+        max_lanes: most searches under way at once on a device; for measurements.
 
     Returns:
-      The paths, in the order of the arguments.
+        The paths, in the order of the arguments.
 
     Raises:
-      BadTypeError: an argument of the wrong type or dtype.
-      BadInputError: cells outside the map or (by default) blocked, wrong or unequal shapes, an
-        option that does not exist, more memory wanted than there is.
+        BadTypeError: an argument of the wrong type or dtype.
+        BadInputError: cells outside the map or (by default) blocked, wrong or unequal shapes, an
+            option that does not exist, more memory wanted than there is.
     """
     options = _options(turn_cost, heuristic, corner_cutting, connectivity, weight, turn_mode)
     if max_expansions is not None:
@@ -154,8 +154,8 @@ def rounded_turn_cost(turn_cost: Any) -> float:
     """The turning cost that a search counts with, in cells per 45 degrees.
 
     Raises:
-      BadTypeError: not a number.
-      BadInputError: below 0, above MOST_TURN_COST, or so small that it would count for nothing.
+        BadTypeError: not a number.
+        BadInputError: below 0, above MOST_TURN_COST, or so small that it would count for nothing.
     """
     wanted = not_negative("turn_cost", turn_cost)
     if wanted > MOST_TURN_COST:

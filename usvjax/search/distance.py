@@ -44,22 +44,22 @@ def distance_field(
     hundreds.
 
     Args:
-      blocked: bool[H, W] shared by all fields, bool[B, H, W], or a `GridMap` (shared).
-      goals: int[B, G, 2], a set of goal cells (x, y) per field, rows of -1 as padding; or
-        int[B, 2] or int[2], one goal each.
-      corner_cutting: whether a diagonal step may pass a blocked side cell.
-      connectivity: 8, or 4 for straight steps only.
-      on_blocked: "raise" refuses a goal on a blocked cell; "ignore" leaves it out.
+        blocked: bool[H, W] shared by all fields, bool[B, H, W], or a `GridMap` (shared).
+        goals: int[B, G, 2], a set of goal cells (x, y) per field, rows of -1 as padding; or
+            int[B, 2] or int[2], one goal each.
+        corner_cutting: whether a diagonal step may pass a blocked side cell.
+        connectivity: 8, or 4 for straight steps only.
+        on_blocked: "raise" refuses a goal on a blocked cell; "ignore" leaves it out.
 
     Returns:
-      float32[B, H, W], in cells; inf where no goal can be reached, and in blocked cells.
+        float32[B, H, W], in cells; inf where no goal can be reached, and in blocked cells.
 
     Raises:
-      BadTypeError: a map that is not boolean, goals or a connectivity that are not whole numbers,
-        a corner_cutting that is not a bool.
-      BadInputError: an empty or ragged argument, unequal batches, a goal outside the map or
-        (by default) blocked, a field without a goal, another option than those above, more
-        memory than there is, or a cell farther away than 26,582 cells.
+        BadTypeError: a map that is not boolean, goals or a connectivity that are not whole numbers,
+            a corner_cutting that is not a bool.
+        BadInputError: an empty or ragged argument, unequal batches, a goal outside the map or
+            (by default) blocked, a field without a goal, another option than those above, more
+            memory than there is, or a cell farther away than 26,582 cells.
     """
     one_of("on_blocked", on_blocked, ("raise", "ignore"))
     check_options(corner_cutting, connectivity)

@@ -18,11 +18,11 @@ class SearchScene:
     """B queries on a map of their own or on one that they share; checked.
 
     Attributes:
-      blocked: bool[1, H, W] shared by all queries, or bool[B, H, W].
-      starts: int32[B, 2], cells (x, y).
-      goals: int32[B, 2], cells (x, y).
-      open_ends: bool[B], False where start or goal lies on a blocked cell; such rows occur only
-        under `on_blocked="status"`.
+        blocked: bool[1, H, W] shared by all queries, or bool[B, H, W].
+        starts: int32[B, 2], cells (x, y).
+        goals: int32[B, 2], cells (x, y).
+        open_ends: bool[B], False where start or goal lies on a blocked cell; such rows occur only
+            under `on_blocked="status"`.
     """
 
     blocked: np.ndarray
@@ -48,19 +48,19 @@ def search_scene(blocked: Any, starts: Any, goals: Any, on_blocked: str = "raise
     """Check the arguments that every search has.
 
     Args:
-      blocked: bool[H, W] shared by all queries, bool[B, H, W], or a `GridMap` (shared).
-      starts: int[B, 2], cells (x, y); or int[2], shared.
-      goals: int[B, 2], cells (x, y); or int[2], shared.
-      on_blocked: "raise" refuses a start or goal on a blocked cell; "status" leaves it to the
-        caller, who marks the row `Status.BLOCKED`.
+        blocked: bool[H, W] shared by all queries, bool[B, H, W], or a `GridMap` (shared).
+        starts: int[B, 2], cells (x, y); or int[2], shared.
+        goals: int[B, 2], cells (x, y); or int[2], shared.
+        on_blocked: "raise" refuses a start or goal on a blocked cell; "status" leaves it to the
+            caller, who marks the row `Status.BLOCKED`.
 
     Returns:
-      The queries; B comes from whichever argument has it.
+        The queries; B comes from whichever argument has it.
 
     Raises:
-      BadTypeError: a map that is not boolean, cells that are not whole numbers.
-      BadInputError: an empty map, one without a free cell, ragged or unequal batches, a cell
-        outside the map or (by default) blocked; the message names the argument and its row.
+        BadTypeError: a map that is not boolean, cells that are not whole numbers.
+        BadInputError: an empty map, one without a free cell, ragged or unequal batches, a cell
+            outside the map or (by default) blocked; the message names the argument and its row.
     """
     one_of("on_blocked", on_blocked, ("raise", "status"))
     grids = search_maps(blocked)
@@ -87,8 +87,8 @@ def search_maps(blocked: Any) -> np.ndarray:
     """The maps as bool[1, H, W] or bool[B, H, W], not copied.
 
     Raises:
-      BadTypeError: not boolean.
-      BadInputError: ragged, empty or of other dimensions.
+        BadTypeError: not boolean.
+        BadInputError: ragged, empty or of other dimensions.
     """
     if isinstance(blocked, GridMap):
         return blocked.blocked[None]
@@ -109,8 +109,8 @@ def check_options(corner_cutting: Any, connectivity: Any) -> None:
     """Refuse options of a grid search that are not among those there are.
 
     Raises:
-      BadTypeError: corner_cutting is not a bool, or connectivity not a whole number.
-      BadInputError: connectivity is neither 4 nor 8.
+        BadTypeError: corner_cutting is not a bool, or connectivity not a whole number.
+        BadInputError: connectivity is neither 4 nor 8.
     """
     check_corner_cutting(corner_cutting)
     if whole_number("connectivity", connectivity, 1) not in (4, 8):
@@ -121,7 +121,7 @@ def check_corner_cutting(value: Any, name: str = "corner_cutting") -> None:
     """Refuse anything but a bool: "false" would count as True.
 
     Raises:
-      BadTypeError: naming the value.
+        BadTypeError: naming the value.
     """
     if not isinstance(value, bool | np.bool_):
         raise BadTypeError(f"{name}: got {value!r}; wanted True or False")
@@ -131,8 +131,8 @@ def cell_rows(name: str, value: Any) -> np.ndarray:
     """Cells as int[1, 2] or int[B, 2].
 
     Raises:
-      BadTypeError: not whole numbers.
-      BadInputError: ragged, of another shape, or no rows.
+        BadTypeError: not whole numbers.
+        BadInputError: ragged, of another shape, or no rows.
     """
     try:
         cells = np.asarray(value)
@@ -149,7 +149,7 @@ def check_inside(name: str, cells: np.ndarray, shape: tuple[int, ...]) -> None:
     """Refuse cells int[B, 2] outside a map of shape (H, W).
 
     Raises:
-      BadInputError: naming the first row.
+        BadInputError: naming the first row.
     """
     height, width = shape
     outside = np.any((cells < 0) | (cells >= np.array([width, height])), axis=1)

@@ -19,10 +19,10 @@ class TracedPaths:
     """The paths of n queries, all of which arrived.
 
     Attributes:
-      cells: int32[n, P, 2], (x, y) from start to goal, the goal repeated.
-      count: int32[n], cells of each path.
-      length: float64[n], in cells.
-      turns: int64[n], turning angles added up, in multiples of 45 degrees.
+        cells: int32[n, P, 2], (x, y) from start to goal, the goal repeated.
+        count: int32[n], cells of each path.
+        length: float64[n], in cells.
+        turns: int64[n], turning angles added up, in multiples of 45 degrees.
     """
 
     cells: np.ndarray
@@ -35,7 +35,7 @@ def check_paths(count: int, longest: int) -> None:
     """Refuse to make an array of paths, int32[count, longest, 2], that memory cannot hold.
 
     Raises:
-      BadInputError: naming both figures.
+        BadInputError: naming both figures.
     """
     check_memory(8 * count * longest, f"starts: {count:,} paths of up to {longest:,} cells")
 
@@ -44,10 +44,10 @@ def trace(static: AstarStatic, steps: np.ndarray, rows: np.ndarray, end: np.ndar
     """Follow the parents back from the goals.
 
     Args:
-      static: of the search.
-      steps: uint8[B, size], how each state was entered.
-      rows: int[n], the queries that arrived.
-      end: int[n], their goals' states.
+        static: of the search.
+        steps: uint8[B, size], how each state was entered.
+        rows: int[n], the queries that arrived.
+        end: int[n], their goals' states.
     """
     stride, size = static.stride, steps.shape[1]
     back = np.array([dy * stride + dx for dx, dy in DIRECTIONS])
@@ -101,10 +101,10 @@ def turning_of(path: np.ndarray) -> np.ndarray:
     """Turning angles along paths of cells added up, in multiples of 45 degrees.
 
     Args:
-      path: int[n, P, 2], the last cell repeated.
+        path: int[n, P, 2], the last cell repeated.
 
     Returns:
-      int64[n].
+        int64[n].
     """
     dx, dy = np.moveaxis(np.diff(path, axis=1), 2, 0)
     angle = _ANGLE[dy + 1, dx + 1]

@@ -23,8 +23,8 @@ def check_method(
     """Check the choices of method; returns `sensing` as two Python integers, or None.
 
     Raises:
-      BadTypeError: an option of the wrong type.
-      BadInputError: an impossible one.
+        BadTypeError: an option of the wrong type.
+        BadInputError: an impossible one.
     """
     one_of("heuristic", heuristic, HEURISTICS)
     if weight is not None:
@@ -43,8 +43,8 @@ def check_window(sensing: Any, name: str = "sensing") -> tuple[int, int]:
     """Check the window (h, w) of a vessel's view; returns it as two Python integers.
 
     Raises:
-      BadTypeError: not whole numbers.
-      BadInputError: not two, even or less than 3.
+        BadTypeError: not whole numbers.
+        BadInputError: not two, even or less than 3.
     """
     if isinstance(sensing, np.ndarray):
         sensing = sensing.tolist()
@@ -62,7 +62,7 @@ def clipped_window(sensing: tuple[int, int] | None, shape: tuple[int, int]) -> A
     """The window no larger than what sees all of a map (H, W) from any of its cells.
 
     Returns:
-      (h, w), odd and at least 3, or None where it was: what is noticed stays the same.
+        (h, w), odd and at least 3, or None where it was: what is noticed stays the same.
     """
     if sensing is None:
         return None
@@ -75,16 +75,16 @@ def flip_table(flips: Any, shape: tuple[int, int], count: int) -> np.ndarray:
     """Flips as places in a plane of the map.
 
     Args:
-      flips: int[B, T, C, 2] or int[T, C, 2].
-      shape: (H, W).
-      count: B of the other arguments; where that is 1, flips may have more rows.
+        flips: int[B, T, C, 2] or int[T, C, 2].
+        shape: (H, W).
+        count: B of the other arguments; where that is 1, flips may have more rows.
 
     Returns:
-      int32[B, T, C]; in each step the cells in their order, then -1.
+        int32[B, T, C]; in each step the cells in their order, then -1.
 
     Raises:
-      BadTypeError: not whole numbers.
-      BadInputError: ragged, another shape, or a cell outside the map.
+        BadTypeError: not whole numbers.
+        BadInputError: ragged, another shape, or a cell outside the map.
     """
     try:
         cells = np.asarray(flips)
@@ -135,7 +135,7 @@ def check_sizes(shape: tuple[int, int], steps: int, heuristic: str, weight: floa
     """Refuse maps and numbers of steps for which keys would not fit their integers.
 
     Raises:
-      BadInputError: saying what would fit.
+        BadInputError: saying what would fit.
     """
     height, width = shape
     eq_17 = heuristic.startswith("weighted") and weight is None

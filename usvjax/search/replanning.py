@@ -41,13 +41,14 @@ class DstarLiteResult:
     """How B episodes of T steps went; numpy arrays, in the order of the arguments.
 
     Attributes:
-      status: int32[B], `Status`: REACHED; FOUND, under way with a path when the steps ran out;
-        UNREACHABLE, cut off then; BLOCKED; OUT_OF_BUDGET.
-      position: int32[B, T + 1, 2], cells (x, y); index 0 is the start, index t + 1 follows move t.
-      cost_to_go: float64[B, T + 1], length in cells of the path ahead on the map then known; inf
-        where there is none, nan from where an episode ran out of budget.
-      expanded: int32[B, T + 1], cells expanded in the replanning that led to each.
-      occupancy: share of lane-iterations that advanced an episode, in (0, 1].
+        status: int32[B], `Status`: REACHED; FOUND, under way with a path when the steps ran out;
+            UNREACHABLE, cut off then; BLOCKED; OUT_OF_BUDGET.
+        position: int32[B, T + 1, 2], cells (x, y); index 0 is the start, index t + 1 follows move
+            t.
+        cost_to_go: float64[B, T + 1], length in cells of the path ahead on the map then known; inf
+            where there is none, nan from where an episode ran out of budget.
+        expanded: int32[B, T + 1], cells expanded in the replanning that led to each.
+        occupancy: share of lane-iterations that advanced an episode, in (0, 1].
     """
 
     status: np.ndarray
@@ -82,33 +83,33 @@ def dstar_lite(
     enclosing `jax.default_device`; an episode does not depend on the others.
 
     Args:
-      blocked: bool[B, H, W] (True = not navigable), bool[H, W] shared, or a shared `GridMap`.
-      starts: int[B, 2], cells (x, y); or int[2], shared.
-      goals: int[B, 2], cells (x, y); or int[2], shared.
-      flips: int[B, T, C, 2], cells (x, y) that become blocked if they are free and free if they
-        are blocked, (-1, -1) for none; or int[T, C, 2], shared. A flip of the cell in which the
-        vessel is then, or of the goal, is ignored. A cell named twice in a step changes twice.
-      heuristic: "octile" or "chebyshev": exact. "weighted": Eq. 17 as printed, which
-        overestimates even on an empty map; its w is held within [1, 2], the range given for it.
-        "weighted_octile": w times the octile distance. With these two, cost_to_go is the length
-        that the search has found for its path; the path sailed is valid and, if nothing changes,
-        no longer than that, but may be longer than the shortest.
-      weight: of "weighted_octile", 1 or more; by default w of Eq. 17.
-      corner_cutting: whether a diagonal step needs only its target free; otherwise both cells
-        beside it as well.
-      sensing: (h, w), odd and at least 3: what changes is noticed only within a window of h rows
-        and w columns about the vessel; elsewhere when it comes into the window, before a move or
-        after. The first map is known. None: all changes are known at once.
-      on_blocked: "raise", or "status": start or goal on a blocked cell gives BLOCKED, and the
-        episode does not begin.
-      max_expansions: in one replanning, before it is given up (OUT_OF_BUDGET); by default 16 per
-        cell of the map. Paths beyond 13,000 cells give the same status.
-      max_lanes: most episodes under way at once on a device; for measurements.
+        blocked: bool[B, H, W] (True = not navigable), bool[H, W] shared, or a shared `GridMap`.
+        starts: int[B, 2], cells (x, y); or int[2], shared.
+        goals: int[B, 2], cells (x, y); or int[2], shared.
+        flips: int[B, T, C, 2], cells (x, y) that become blocked if they are free and free if they
+            are blocked, (-1, -1) for none; or int[T, C, 2], shared. A flip of the cell in which the
+            vessel is then, or of the goal, is ignored. A cell named twice in a step changes twice.
+        heuristic: "octile" or "chebyshev": exact. "weighted": Eq. 17 as printed, which
+            overestimates even on an empty map; its w is held within [1, 2], the range given for it.
+            "weighted_octile": w times the octile distance. With these two, cost_to_go is the length
+            that the search has found for its path; the path sailed is valid and, if nothing
+            changes, no longer than that, but may be longer than the shortest.
+        weight: of "weighted_octile", 1 or more; by default w of Eq. 17.
+        corner_cutting: whether a diagonal step needs only its target free; otherwise both cells
+            beside it as well.
+        sensing: (h, w), odd and at least 3: what changes is noticed only within a window of h rows
+            and w columns about the vessel; elsewhere when it comes into the window, before a move
+            or after. The first map is known. None: all changes are known at once.
+        on_blocked: "raise", or "status": start or goal on a blocked cell gives BLOCKED, and the
+            episode does not begin.
+        max_expansions: in one replanning, before it is given up (OUT_OF_BUDGET); by default 16 per
+            cell of the map. Paths beyond 13,000 cells give the same status.
+        max_lanes: most episodes under way at once on a device; for measurements.
 
     Raises:
-      BadTypeError: an argument of the wrong type or dtype.
-      BadInputError: a wrong shape, a cell outside the map or blocked, an impossible option; the
-        message names the argument and the first bad row.
+        BadTypeError: an argument of the wrong type or dtype.
+        BadInputError: a wrong shape, a cell outside the map or blocked, an impossible option; the
+            message names the argument and the first bad row.
     """
     max_lanes = whole_number("max_lanes", max_lanes, 1)
     sensing = check_method(heuristic, weight, corner_cutting, sensing)

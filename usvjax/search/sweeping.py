@@ -31,17 +31,17 @@ class SweepPaths:
     """Shortest paths of B queries; numpy arrays, in the order of the queries.
 
     Attributes:
-      status: int32[B], `Status`: FOUND, UNREACHABLE, BLOCKED, or OUT_OF_BUDGET (no path of
-        less than 26,582 cells, and perhaps a longer one).
-      cost: float64[B], n_straight + n_diagonal * sqrt(2) along the path; inf where not found.
-      path: int32[B, P, 2], cells (x, y) from start to goal, then the goal repeated; -1
-        throughout where not found.
-      path_cells: int32[B], cells in the path, start and goal included; 0 where not found.
-      expanded: int32[B], cells that A* with the octile (or, with 4 neighbours, Manhattan)
-        distance h expands at least: those with g + h < cost, and of those with g + h = cost
-        the ones on the path (the best tie-breaking there is). Where there is no path, the
-        cells that can be reached from the start.
-      passes: int32[B], sweeps over the map until the path was proven shortest.
+        status: int32[B], `Status`: FOUND, UNREACHABLE, BLOCKED, or OUT_OF_BUDGET (no path of
+            less than 26,582 cells, and perhaps a longer one).
+        cost: float64[B], n_straight + n_diagonal * sqrt(2) along the path; inf where not found.
+        path: int32[B, P, 2], cells (x, y) from start to goal, then the goal repeated; -1
+            throughout where not found.
+        path_cells: int32[B], cells in the path, start and goal included; 0 where not found.
+        expanded: int32[B], cells that A* with the octile (or, with 4 neighbours, Manhattan)
+            distance h expands at least: those with g + h < cost, and of those with g + h = cost
+            the ones on the path (the best tie-breaking there is). Where there is no path, the
+            cells that can be reached from the start.
+        passes: int32[B], sweeps over the map until the path was proven shortest.
     """
 
     status: np.ndarray
@@ -66,10 +66,10 @@ def sweep_paths(
     goal's x and y are not below the start's. A result depends on nothing but its query.
 
     Args:
-      scene: of `search_scene`.
-      corner_cutting: whether a diagonal step may pass a blocked side cell.
-      connectivity: 4 or 8.
-      max_lanes: most maps side by side; for measurements.
+        scene: of `search_scene`.
+        corner_cutting: whether a diagonal step may pass a blocked side cell.
+        connectivity: 4 or 8.
+        max_lanes: most maps side by side; for measurements.
     """
     table = _Table.empty(len(scene))
     table.status[~scene.open_ends] = Status.BLOCKED

@@ -28,19 +28,19 @@ def figures_for_run(
     """Draw the figures of a run into its folder "figures"; which ones, its mission says.
 
     Args:
-        run_dir: Directory that `usvjax study` wrote; the run may be unfinished.
-        formats: Suffixes to write, of ".png", ".pdf" and ".svg"; tables are written as .csv.
-        max_examples: Conditions to simulate again; 0 simulates nothing.
-        max_paths: Trajectories of a chart.
-        folder: What a map file or plug-in named by the study is relative to; the working
+        run_dir: directory that `usvjax study` wrote; the run may be unfinished.
+        formats: suffixes to write, of ".png", ".pdf" and ".svg"; tables are written as .csv.
+        max_examples: conditions to simulate again; 0 simulates nothing.
+        max_paths: trajectories of a chart.
+        folder: what a map file or plug-in named by the study is relative to; the working
             directory when None. Packaged maps need none.
-        on_written: Called with every file as soon as it is there.
+        on_written: called with every file as soon as it is there.
 
     Returns:
         The files written.
 
     Raises:
-        BadInputError: It is no run, it has no episodes yet, a format is unknown, its episodes
+        BadInputError: it is no run, it has no episodes yet, a format is unknown, its episodes
             cannot be had back (see `usvjax.study.replay.Replay`), or the folder cannot be
             written. What was drawn before stays.
     """

@@ -19,11 +19,11 @@ class Algorithm:
     """A swarm and the paper's settings of it.
 
     Attributes:
-      run: the kernel.
-      params: default numbers.
-      static: default choices of method.
-      population: default members.
-      iterations: default number.
+        run: the kernel.
+        params: default numbers.
+        static: default choices of method.
+        population: default members.
+        iterations: default number.
     """
 
     run: Callable[..., Any]
@@ -48,8 +48,8 @@ def checked_params(name: str, given: Any, runs: int) -> Params:
     """Numbers of an algorithm, those given or its defaults, each leaf as [runs].
 
     Raises:
-      BadTypeError: parameters of another algorithm, or no numbers.
-      BadInputError: a wrong shape, not finite, or out of range.
+        BadTypeError: parameters of another algorithm, or no numbers.
+        BadInputError: a wrong shape, not finite, or out of range.
     """
     numbers: Params = checked_numbers(name, given, ALGORITHMS[name].params, runs)
     return numbers
@@ -59,8 +59,8 @@ def checked_static(name: str, given: Any, population: int) -> Static:
     """Choices of method of an algorithm, those given or its defaults.
 
     Raises:
-      BadTypeError: choices of another algorithm, or of a wrong type.
-      BadInputError: an unknown or impossible choice, or too small a population.
+        BadTypeError: choices of another algorithm, or of a wrong type.
+        BadInputError: an unknown or impossible choice, or too small a population.
     """
     default = ALGORITHMS[name].static
     given = default_or("static", given, default, name)

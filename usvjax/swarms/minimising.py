@@ -36,12 +36,12 @@ class MinimiseResult:
     """What each run found; numpy arrays, in the order of the runs.
 
     Attributes:
-      best: float[runs], least value found; nan where every evaluation gave NaN.
-      x: float[runs, dim], where; nan where `best` is.
-      history: float[runs, iterations], least value up to the end of each iteration; inf before
-        the first evaluation that gave a number.
-      nans: int32[runs], evaluations that gave NaN. They rank last.
-      evaluations: of each run.
+        best: float[runs], least value found; nan where every evaluation gave NaN.
+        x: float[runs, dim], where; nan where `best` is.
+        history: float[runs, iterations], least value up to the end of each iteration; inf before
+            the first evaluation that gave a number.
+        nans: int32[runs], evaluations that gave NaN. They rank last.
+        evaluations: of each run.
     """
 
     best: np.ndarray
@@ -77,30 +77,30 @@ def minimise(
     origin; where the optimum is elsewhere, "cmpso" is as good or better on all of Table 8.
 
     Args:
-      fn: float[dim] -> float, traceable by JAX.
-      bounds: (low, high), each a number or float[dim]; the swarm stays within.
-      key: a seed (integer) or a JAX threefry key.
-      algorithm: "igwo" or "gwo", grey wolves with the law of Eq. 14 or any other; "aco", ants
-        (ACO_R); "ga", a genetic algorithm of real numbers; "cmpso", chaos multi-population
-        particle swarm.
-      dim: number of coordinates.
-      runs: number of runs.
-      iterations: of each run; by default the paper's: 200, for "aco" 100 and for "ga" 50.
-      population: wolves, ants, individuals or particles; by default the paper's: 20 wolves, 200
-        ants; where it prints none, 80 individuals and 20 particles.
-      params: `GwoParams`, `AcoParams`, `GaParams` or `CmpsoParams` of `usvjax.swarms`; a leaf may
-        be float[runs], one value per run, for a sweep.
-      static: `GwoStatic`, `AcoStatic`, `GaStatic` or `CmpsoStatic` of `usvjax.swarms`, choices of
-        method.
+        fn: float[dim] -> float, traceable by JAX.
+        bounds: (low, high), each a number or float[dim]; the swarm stays within.
+        key: a seed (integer) or a JAX threefry key.
+        algorithm: "igwo" or "gwo", grey wolves with the law of Eq. 14 or any other; "aco", ants
+            (ACO_R); "ga", a genetic algorithm of real numbers; "cmpso", chaos multi-population
+            particle swarm.
+        dim: number of coordinates.
+        runs: number of runs.
+        iterations: of each run; by default the paper's: 200, for "aco" 100 and for "ga" 50.
+        population: wolves, ants, individuals or particles; by default the paper's: 20 wolves, 200
+            ants; where it prints none, 80 individuals and 20 particles.
+        params: `GwoParams`, `AcoParams`, `GaParams` or `CmpsoParams` of `usvjax.swarms`; a leaf may
+            be float[runs], one value per run, for a sweep.
+        static: `GwoStatic`, `AcoStatic`, `GaStatic` or `CmpsoStatic` of `usvjax.swarms`, choices of
+            method.
 
     Returns:
-      The results, in the order of the runs.
+        The results, in the order of the runs.
 
     Raises:
-      BadTypeError: an argument of the wrong type, or a function that JAX cannot trace.
-      BadInputError: an unknown algorithm; bounds that are reversed, not finite or of another
-        shape; too few members, iterations or runs, or more than memory holds; a parameter out of
-        range; an impossible choice; a function that returns no single number.
+        BadTypeError: an argument of the wrong type, or a function that JAX cannot trace.
+        BadInputError: an unknown algorithm; bounds that are reversed, not finite or of another
+            shape; too few members, iterations or runs, or more than memory holds; a parameter out
+            of range; an impossible choice; a function that returns no single number.
     """
     one_of("algorithm", algorithm, ALGORITHMS)
     method = ALGORITHMS[algorithm]

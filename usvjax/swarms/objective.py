@@ -15,8 +15,8 @@ def checked_bounds(bounds: Any, dim: int, dtype: Any) -> tuple[np.ndarray, np.nd
     """Bounds (low, high) as float[dim] each.
 
     Raises:
-      BadTypeError: not two of numbers or arrays.
-      BadInputError: a wrong shape, not finite, or not low < high.
+        BadTypeError: not two of numbers or arrays.
+        BadInputError: a wrong shape, not finite, or not low < high.
     """
     try:
         low, high = bounds
@@ -61,8 +61,8 @@ def checked_objective(fn: Any, dim: int, dtype: Any) -> Objective:
     """The function, which JAX can trace and map over swarms, and which returns one number.
 
     Raises:
-      BadTypeError: not callable, or it raises while JAX traces it.
-      BadInputError: it returns anything but one real number.
+        BadTypeError: not callable, or it raises while JAX traces it.
+        BadInputError: it returns anything but one real number.
     """
     if not callable(fn):
         raise BadTypeError(f"fn: got {fn!r}; wanted a function of float[{dim}]")

@@ -48,17 +48,17 @@ def checked_numbers(algorithm: str, given: Any, default: Any, runs: int) -> Any:
     """Numbers of an algorithm, those given or its defaults, each leaf as [runs].
 
     Args:
-      algorithm: its name, for messages.
-      given: what the user passed, or None.
-      default: of the algorithm; its class is in `RANGES`.
-      runs: how many.
+        algorithm: its name, for messages.
+        given: what the user passed, or None.
+        default: of the algorithm; its class is in `RANGES`.
+        runs: how many.
 
     Returns:
-      The class of `default`, leaves int32 where whole, else of JAX's default precision.
+        The class of `default`, leaves int32 where whole, else of JAX's default precision.
 
     Raises:
-      BadTypeError: parameters of another algorithm, or no numbers.
-      BadInputError: a wrong shape, not finite, or out of range.
+        BadTypeError: parameters of another algorithm, or no numbers.
+        BadInputError: a wrong shape, not finite, or out of range.
     """
     given = default_or("params", given, default, algorithm)
     kind = type(default)

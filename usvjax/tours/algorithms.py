@@ -24,12 +24,12 @@ class Algorithm:
     """One way to search for a tour.
 
     Attributes:
-      run: the kernel.
-      params: default numbers.
-      population: default members; None where there are none.
-      least: members at least.
-      iterations: default number, by the number of stations.
-      static: default choices of method; None where there are none.
+        run: the kernel.
+        params: default numbers.
+        population: default members; None where there are none.
+        least: members at least.
+        iterations: default number, by the number of stations.
+        static: default choices of method; None where there are none.
     """
 
     run: Run
@@ -99,9 +99,9 @@ def checked_static(name: str, given: Any, population: int | None) -> Static | No
     """Choices of method of an algorithm, those given or its defaults.
 
     Raises:
-      BadTypeError: choices of another algorithm, or of a wrong type.
-      BadInputError: an unknown or impossible choice, too small a population, or an algorithm
-        without choices.
+        BadTypeError: choices of another algorithm, or of a wrong type.
+        BadInputError: an unknown or impossible choice, too small a population, or an algorithm
+            without choices.
     """
     default = ALGORITHMS[name].static
     if default is None or population is None:
@@ -132,8 +132,8 @@ def checked_params(name: str, given: Any, runs: int) -> Any:
     """Numbers of an algorithm, those given or its defaults, each leaf as [runs].
 
     Raises:
-      BadTypeError: parameters of another algorithm, or no numbers.
-      BadInputError: a wrong shape, not finite, or out of range.
+        BadTypeError: parameters of another algorithm, or no numbers.
+        BadInputError: a wrong shape, not finite, or out of range.
     """
     return checked_numbers(name, given, ALGORITHMS[name].params, runs)
 

@@ -22,18 +22,18 @@ def optimal_tour(points: Any = None, *, distances: Any = None, closed: bool = Tr
     Distances that differ by less than a part in a million of a tour count as equal in float32.
 
     Args:
-      points: float[B, d, 2] or float[d, 2]: (x, y) of the stations, the start first.
-      distances: float[B, d, d] or float[d, d], instead of points: [a, b] from a to b; inf where
-        not connected.
-      closed: whether the tour returns to station 0; otherwise it ends anywhere.
+        points: float[B, d, 2] or float[d, 2]: (x, y) of the stations, the start first.
+        distances: float[B, d, d] or float[d, d], instead of points: [a, b] from a to b; inf where
+            not connected.
+        closed: whether the tour returns to station 0; otherwise it ends anywhere.
 
     Returns:
-      int32[B, d], the stations in the order of the visits, station 0 first; `tour_length` says
-      how long. Where no tour is of finite length, some order, of which it says inf.
+        int32[B, d], the stations in the order of the visits, station 0 first; `tour_length` says
+        how long. Where no tour is of finite length, some order, of which it says inf.
 
     Raises:
-      BadTypeError: an argument of the wrong type.
-      BadInputError: fewer than 2 stations or more than 13, or another wrong value or shape.
+        BadTypeError: an argument of the wrong type.
+        BadInputError: fewer than 2 stations or more than 13, or another wrong value or shape.
     """
     return orders(checked_legs(points, distances), truth("closed", closed))
 
@@ -65,7 +65,7 @@ def scaled(legs: Legs, closed: bool) -> np.ndarray:
     """Distances for the kernels: at most 1, a missing leg as one that costs more than any tour.
 
     Returns:
-      float[B or 1, d, d]. For an open tour the legs back to station 0 cost nothing.
+        float[B or 1, d, d]. For an open tour the legs back to station 0 cost nothing.
     """
     finite = np.isfinite(legs.distances)
     found = np.where(finite, legs.distances, 0) / _unit(legs)

@@ -20,10 +20,10 @@ class Legs:
     """Distances of B tours or of one problem that they share; checked.
 
     Attributes:
-      distances: float64[B or 1, d, d], from row to column; inf where not connected, 0 on the
-        diagonal.
-      name: of the argument that they came from.
-      batched: whether that argument had a batch axis.
+        distances: float64[B or 1, d, d], from row to column; inf where not connected, 0 on the
+            diagonal.
+        name: of the argument that they came from.
+        batched: whether that argument had a batch axis.
     """
 
     distances: np.ndarray
@@ -63,14 +63,14 @@ def checked_legs(points: Any, distances: Any) -> Legs:
     """Distances from points or as given.
 
     Args:
-      points: float[B, d, 2] or float[d, 2], or None.
-      distances: float[B, d, d] or float[d, d], or None; inf where not connected.
+        points: float[B, d, 2] or float[d, 2], or None.
+        distances: float[B, d, d] or float[d, d], or None; inf where not connected.
 
     Raises:
-      BadTypeError: not real numbers.
-      BadInputError: both or neither given; a wrong shape; fewer than two stations; NaN, or an
-        infinite point; two points in one place; a negative distance, or one of a station to
-        itself that is not 0.
+        BadTypeError: not real numbers.
+        BadInputError: both or neither given; a wrong shape; fewer than two stations; NaN, or an
+            infinite point; two points in one place; a negative distance, or one of a station to
+            itself that is not 0.
     """
     if (points is None) == (distances is None):
         got = "neither" if points is None else "both"

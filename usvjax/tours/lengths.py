@@ -14,20 +14,20 @@ def tour_length(
     """How long tours are. Source: Yu et al. 2022, Eq. 8.
 
     Args:
-      order: int[B, d] or int[d], stations 0 .. d - 1 in the order of the visits, each once; it
-        may begin with any of them.
-      points: float[B, d, 2] or float[d, 2], shared: (x, y) of the stations.
-      distances: float[B, d, d] or float[d, d], shared, instead of points: [a, b] from a to b, in
-        any unit; inf where not connected.
-      closed: whether the tour returns to where it began.
+        order: int[B, d] or int[d], stations 0 .. d - 1 in the order of the visits, each once; it
+            may begin with any of them.
+        points: float[B, d, 2] or float[d, 2], shared: (x, y) of the stations.
+        distances: float[B, d, d] or float[d, d], shared, instead of points: [a, b] from a to b, in
+            any unit; inf where not connected.
+        closed: whether the tour returns to where it began.
 
     Returns:
-      float64[B], in the unit of the points or distances, or one number for int[d] with a single
-      problem; inf where a leg is not connected.
+        float64[B], in the unit of the points or distances, or one number for int[d] with a single
+        problem; inf where a leg is not connected.
 
     Raises:
-      BadTypeError: an argument of the wrong type.
-      BadInputError: orders that are no permutations, or another wrong value or shape.
+        BadTypeError: an argument of the wrong type.
+        BadInputError: orders that are no permutations, or another wrong value or shape.
     """
     legs = checked_legs(points, distances)
     closed = truth("closed", closed)

@@ -42,13 +42,13 @@ class TourResult:
     """The best tour of each run; numpy arrays, in the order of the arguments.
 
     Attributes:
-      order: int32[B, d], the stations in the order of the visits, station 0 first.
-      length: float64[B], in the unit of the points or distances; inf where no tour without a
-        missing leg was found.
-      history: float64[B, iterations], least length up to the end of each iteration.
-      status: int32[B], `Status`: FOUND; UNREACHABLE, proven that no tour is of finite length;
-        OUT_OF_BUDGET, none was found.
-      algorithm: that ran: "exact" or "ils" for "recommended".
+        order: int32[B, d], the stations in the order of the visits, station 0 first.
+        length: float64[B], in the unit of the points or distances; inf where no tour without a
+            missing leg was found.
+        history: float64[B, iterations], least length up to the end of each iteration.
+        status: int32[B], `Status`: FOUND; UNREACHABLE, proven that no tour is of finite length;
+            OUT_OF_BUDGET, none was found.
+        algorithm: that ran: "exact" or "ils" for "recommended".
     """
 
     order: np.ndarray
@@ -80,38 +80,38 @@ def solve_tour(
     Source: Yu et al. 2022, sections 3.4, 4.1 and 5.1; of each algorithm, its kernel.
 
     Args:
-      points: float[B, d, 2], one problem for each run, or float[d, 2]: (x, y) of the stations,
-        the start first. Legs are straight.
-      key: a seed (integer) or a JAX threefry key.
-      algorithm: "recommended": the exact optimum up to 12 stations and "ils" beyond. "ils":
-        iterated local search by 2-opt, Or-opt and double bridges, which is neither a swarm nor
-        the paper's. "exact": dynamic programming, up to 13 stations. The paper's, with its
-        settings: "igwo" and "gwo", grey wolves by random keys; "aco", ants; "ga", a genetic
-        algorithm; "cmpso", chaos multi-population particle swarm. "igwo_swap" and "gwo_swap":
-        wolves by swap sequences.
-      distances: float[B, d, d] or float[d, d], instead of points: [a, b] from a to b; inf where
-        not connected. They need not be the same in both directions.
-      closed: whether the tour returns to station 0; otherwise it ends anywhere.
-      runs: number of runs of a single problem.
-      iterations: of each run; by default the paper's: 200, for "aco" 100 and for "ga" 50. For
-        "ils", moves and kicks together: 20 per station.
-      population: wolves, ants, individuals or particles; by default the paper's: 20 wolves, 200
-        ants; where it prints none, 80 individuals and 20 particles.
-      params: of the algorithm, `usvjax.tours.IlsParams` and so on; a leaf may be an array, one
-        value per run.
-      static: choices of method: `usvjax.swarms.GwoStatic` of the wolves, `CmpsoStatic` of "cmpso".
-        "igwo" and "igwo_swap" have the law "beta" only. Wolves by swap sequences are by default
-        greedy and led by the best of the pack.
-      first: number of the first run, so that parts of a batch can be solved apart.
+        points: float[B, d, 2], one problem for each run, or float[d, 2]: (x, y) of the stations,
+            the start first. Legs are straight.
+        key: a seed (integer) or a JAX threefry key.
+        algorithm: "recommended": the exact optimum up to 12 stations and "ils" beyond. "ils":
+            iterated local search by 2-opt, Or-opt and double bridges, which is neither a swarm nor
+            the paper's. "exact": dynamic programming, up to 13 stations. The paper's, with its
+            settings: "igwo" and "gwo", grey wolves by random keys; "aco", ants; "ga", a genetic
+            algorithm; "cmpso", chaos multi-population particle swarm. "igwo_swap" and "gwo_swap":
+            wolves by swap sequences.
+        distances: float[B, d, d] or float[d, d], instead of points: [a, b] from a to b; inf where
+            not connected. They need not be the same in both directions.
+        closed: whether the tour returns to station 0; otherwise it ends anywhere.
+        runs: number of runs of a single problem.
+        iterations: of each run; by default the paper's: 200, for "aco" 100 and for "ga" 50. For
+            "ils", moves and kicks together: 20 per station.
+        population: wolves, ants, individuals or particles; by default the paper's: 20 wolves, 200
+            ants; where it prints none, 80 individuals and 20 particles.
+        params: of the algorithm, `usvjax.tours.IlsParams` and so on; a leaf may be an array, one
+            value per run.
+        static: choices of method: `usvjax.swarms.GwoStatic` of the wolves, `CmpsoStatic` of
+            "cmpso". "igwo" and "igwo_swap" have the law "beta" only. Wolves by swap sequences are
+            by default greedy and led by the best of the pack.
+        first: number of the first run, so that parts of a batch can be solved apart.
 
     Returns:
-      The best tours, in the order of the runs.
+        The best tours, in the order of the runs.
 
     Raises:
-      BadTypeError: an argument of the wrong type.
-      BadInputError: an unknown algorithm; fewer than two stations, two in one place, NaN, negative
-        distances or a wrong shape; too few runs, iterations or members, or more than memory
-        holds; an impossible choice.
+        BadTypeError: an argument of the wrong type.
+        BadInputError: an unknown algorithm; fewer than two stations, two in one place, NaN,
+            negative distances or a wrong shape; too few runs, iterations or members, or more than
+            memory holds; an impossible choice.
     """
     one_of("algorithm", algorithm, NAMES)
     legs = checked_legs(points, distances)

@@ -29,13 +29,13 @@ def flipped(seed: Array, step: Array, cell: Array, rate: Array) -> Array:
     """Whether cells flip.
 
     Args:
-      seed: uint32[2, ...], of `draws.seeds`.
-      step: int32[...], counted from the start of the cruise.
-      cell: int32[...], row * width + column of the map.
-      rate: int32[...], probability times 2^BITS.
+        seed: uint32[2, ...], of `draws.seeds`.
+        step: int32[...], counted from the start of the cruise.
+        cell: int32[...], row * width + column of the map.
+        rate: int32[...], probability times 2^BITS.
 
     Returns:
-      bool[...].
+        bool[...].
     """
     word = words(seed, step, cell)[0]
     return (word >> (32 - BITS)).astype(jnp.int32) < rate
@@ -51,9 +51,9 @@ def view(
     """The cells of the windows about some cells.
 
     Args:
-      column, row: int32[lanes], the cells.
-      window: (h, w), odd, static.
-      width, height: of the map.
+        column, row: int32[lanes], the cells.
+        window: (h, w), odd, static.
+        width, height: of the map.
     """
     up, right = (np.arange(n, dtype=np.int32) - n // 2 for n in window)
     ups, rights = (a.reshape(-1, 1) for a in np.meshgrid(up, right, indexing="ij"))

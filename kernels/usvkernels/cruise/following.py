@@ -32,14 +32,14 @@ class Orders:
     """What the vessels are to do; cells of a map as row * W + column.
 
     Attributes:
-      path: int32[P, lanes], cells from where the vessel is to its stop, the last repeated.
-      length: int32[lanes], cells of the path; 0 where there is none.
-      proven: bool[lanes], where there is none, whether that is certain.
-      stations: int32[d, lanes], cells that never flip.
-      seed: uint32[2, lanes], of the flips.
-      rate: int32[lanes], probability of a flip times 2^`flips.BITS`.
-      left: int32[lanes], steps that the leg may still take.
-      max_wait: int32, steps in a row that a vessel waits before its stop is given up.
+        path: int32[P, lanes], cells from where the vessel is to its stop, the last repeated.
+        length: int32[lanes], cells of the path; 0 where there is none.
+        proven: bool[lanes], where there is none, whether that is certain.
+        stations: int32[d, lanes], cells that never flip.
+        seed: uint32[2, lanes], of the flips.
+        rate: int32[lanes], probability of a flip times 2^`flips.BITS`.
+        left: int32[lanes], steps that the leg may still take.
+        max_wait: int32, steps in a row that a vessel waits before its stop is given up.
     """
 
     path: Array
@@ -80,12 +80,12 @@ def follow(
     """Sail until every vessel has halted; K steps each at most, which then wants a plan.
 
     Args:
-      orders: for the vessels.
-      fleet: the vessels; those that have halted already stay as they are.
-      shape: (H, W), static.
-      scope: where cells flip, as `sailing.SCOPES`.
-      window: (h, w) of the vessels' view.
-      corner_cutting: of the paths.
+        orders: for the vessels.
+        fleet: the vessels; those that have halted already stay as they are.
+        shape: (H, W), static.
+        scope: where cells flip, as `sailing.SCOPES`.
+        window: (h, w) of the vessels' view.
+        corner_cutting: of the paths.
     """
     height, width = shape
     lane = jnp.arange(fleet.step.shape[0], dtype=jnp.int32)
@@ -176,9 +176,9 @@ def fleet_of(
     """Vessels at the beginning of their paths.
 
     Args:
-      truth, known: bool[lanes, H, W].
-      step, waited, drawn, halt: as in `Fleet`.
-      room: K, steps that may be made, static.
+        truth, known: bool[lanes, H, W].
+        step, waited, drawn, halt: as in `Fleet`.
+        room: K, steps that may be made, static.
     """
     zero = jnp.zeros_like(step)
     return Fleet(

@@ -19,11 +19,11 @@ class Log:
     """What came of the cruises.
 
     Attributes:
-      moves: uint8[capacity], codes of the moves of cruise j from j * d * max_steps on; STAY where
-        none was made.
-      legs: int32[n * d, 4], of leg i of cruise j in row j * d + i: `Status` (REACHED, UNREACHABLE
-        where its stop was given up, TIMED_OUT, OUT_OF_BUDGET; 0 where it did not begin), step of
-        the cruise at its end, cells expanded in it, steps in which cells were.
+        moves: uint8[capacity], codes of the moves of cruise j from j * d * max_steps on; STAY where
+            none was made.
+        legs: int32[n * d, 4], of leg i of cruise j in row j * d + i: `Status` (REACHED, UNREACHABLE
+            where its stop was given up, TIMED_OUT, OUT_OF_BUDGET; 0 where it did not begin), step
+            of the cruise at its end, cells expanded in it, steps in which cells were.
     """
 
     moves: Array
@@ -37,12 +37,12 @@ def program(static: SailingStatic, cruises: Cruises, capacity: int) -> InPlace:
     so a cruise ends.
 
     Args:
-      static: choices of method.
-      cruises: n of them.
-      capacity: of moves, static; n * d * max_steps at least, less than `dstar_search.NOWHERE`.
+        static: choices of method.
+        cruises: n of them.
+        capacity: of moves, static; n * d * max_steps at least, less than `dstar_search.NOWHERE`.
 
     Returns:
-      The program, without results; what comes of the cruises is its `Log`.
+        The program, without results; what comes of the cruises is its `Log`.
     """
     stops, n = cruises.stops.shape
 

@@ -38,8 +38,8 @@ class SailingStatic:
     """Choices of method; hashable.
 
     Attributes:
-      search: of the replanning; its `sensing` is the window in which the vessel looks about.
-      scope: where cells flip, of `SCOPES`.
+        search: of the replanning; its `sensing` is the window in which the vessel looks about.
+        scope: where cells flip, of `SCOPES`.
     """
 
     search: ReplanStatic
@@ -63,15 +63,15 @@ class Cruises:
     """What the lanes work on; all cells as `Layout.index`.
 
     Attributes:
-      blocked: bool[M, size], maps with their margin.
-      map_of: int32[n], map of each cruise.
-      stops: int32[d + 1, n], stations in the order of the cruise: home, the others, home.
-      seed: uint32[2, n], of the flips.
-      rate: int32[n], probability of a flip times 2^`flips.BITS`.
-      max_steps: int32, of a leg; also the room for its moves.
-      max_wait: int32, steps in a row that a vessel waits before its stop is given up.
-      gives_up: bool, whether a stop that is given up ends the cruise.
-      max_expansions: int32, in one step.
+        blocked: bool[M, size], maps with their margin.
+        map_of: int32[n], map of each cruise.
+        stops: int32[d + 1, n], stations in the order of the cruise: home, the others, home.
+        seed: uint32[2, n], of the flips.
+        rate: int32[n], probability of a flip times 2^`flips.BITS`.
+        max_steps: int32, of a leg; also the room for its moves.
+        max_wait: int32, steps in a row that a vessel waits before its stop is given up.
+        gives_up: bool, whether a stop that is given up ends the cruise.
+        max_expansions: int32, in one step.
     """
 
     blocked: Array
@@ -137,12 +137,12 @@ def advance(static: SailingStatic, cruises: Cruises, vessels: Vessels) -> tuple[
     """Do the next thing in every lane: one change, one expansion, or one move.
 
     Args:
-      static: choices of method.
-      cruises: all cruises.
-      vessels: those under way.
+        static: choices of method.
+        cruises: all cruises.
+        vessels: those under way.
 
     Returns:
-      The lanes, and what is to be written down.
+        The lanes, and what is to be written down.
     """
     void = static.search.layout.void
     there = vessels.live & (vessels.here == vessels.goal)

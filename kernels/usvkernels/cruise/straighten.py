@@ -24,13 +24,13 @@ class Sailed:
     """Tracks, one per lane, and what their maps were.
 
     Attributes:
-      blocked: bool[lanes, H, W], the first maps.
-      track: int32[T + 1, lanes, 2], cells (x, y) after each step.
-      steps: int32[lanes], at most T.
-      stop: bool[T + 1, lanes], True at the last step and where a point is to be kept.
-      stations: int32[d, lanes], cells that never flip, row * W + column.
-      seed: uint32[2, lanes], of the flips.
-      rate: int32[lanes], probability of a flip times 2^`flips.BITS`.
+        blocked: bool[lanes, H, W], the first maps.
+        track: int32[T + 1, lanes, 2], cells (x, y) after each step.
+        steps: int32[lanes], at most T.
+        stop: bool[T + 1, lanes], True at the last step and where a point is to be kept.
+        stations: int32[d, lanes], cells that never flip, row * W + column.
+        seed: uint32[2, lanes], of the flips.
+        rate: int32[lanes], probability of a flip times 2^`flips.BITS`.
     """
 
     blocked: Array
@@ -59,13 +59,13 @@ def straighten(
     """Choose the points to keep.
 
     Args:
-      sailed: the tracks.
-      scope: where cells flip, as `sailing.SCOPES`.
-      window: (h, w) of the vessel's view, in which they do.
-      corner_cutting: as `line_of_sight`.
+        sailed: the tracks.
+        scope: where cells flip, as `sailing.SCOPES`.
+        window: (h, w) of the vessel's view, in which they do.
+        corner_cutting: as `line_of_sight`.
 
     Returns:
-      bool[T + 1, lanes].
+        bool[T + 1, lanes].
     """
     lanes, height, width = sailed.blocked.shape
     first = jnp.arange(lanes, dtype=jnp.int32) * (height * width)

@@ -82,7 +82,7 @@ def _clearance(
     """dist(v, w): from the predicted trajectory to the nearest circle that counts, capped.
 
     Returns:
-      float[n_v, n_w, lanes] (m), negative inside a circle.
+        float[n_v, n_w, lanes] (m), negative inside a circle.
     """
     v_i, fan = window.v, window.fan
     end = (v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1])
@@ -121,11 +121,11 @@ def candidates(
     """Predict and score every command of the window (Tan et al. 2022, Eqs. 2 to 6).
 
     Args:
-      vessel, sampling, objective: of the method.
-      motion: the vessels.
-      obstacles: float[2, K, lanes], centres (m); rows at FAR are padding.
-      radius: of the circles about them (m).
-      goal: float[2, lanes] (m).
+        vessel, sampling, objective: of the method.
+        motion: the vessels.
+        obstacles: float[2, K, lanes], centres (m); rows at FAR are padding.
+        radius: of the circles about them (m).
+        goal: float[2, lanes] (m).
     """
     sector = sector_of(objective.search_angle, radius, motion.rows.dtype)
     window = open_window(vessel, sampling, motion, obstacles)

@@ -109,8 +109,8 @@ def program(jobs: Jobs, settings: Settings) -> Program:
     """Episodes of `jobs` as a program for `lanes.run`.
 
     Args:
-      jobs: the episodes.
-      settings: leaves scalar, or float[n] with one value per episode.
+        jobs: the episodes.
+        settings: leaves scalar, or float[n] with one value per episode.
     """
     leaves, tree = jax.tree.flatten(settings)
     swept = {place: leaf for place, leaf in enumerate(leaves) if jnp.ndim(leaf) == 1}

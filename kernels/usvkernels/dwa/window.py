@@ -130,13 +130,13 @@ def window(vessel: Vessel, of: Resolution, v: Array, w: Array) -> Commands:
     """Candidate commands: V_s and V_d (Tan et al. 2022, Eqs. 2, 3) at the given resolution.
 
     Args:
-      vessel: its limits.
-      of: what `resolution` makes of them.
-      v, w: present speed (m/s) and yaw rate (rad/s), float[lanes].
+        vessel: its limits.
+        of: what `resolution` makes of them.
+        v, w: present speed (m/s) and yaw rate (rad/s), float[lanes].
 
     Returns:
-      (v_i, inside_v, w_j, inside_w), the first two [n_v, lanes], the others [n_w, lanes]; a
-      candidate past the window's upper edge is not inside.
+        (v_i, inside_v, w_j, inside_w), the first two [n_v, lanes], the others [n_w, lanes]; a
+        candidate past the window's upper edge is not inside.
     """
     v_low = jnp.maximum(vessel.v_min, v - of.v_loss)
     w_low = jnp.maximum(vessel.w_min, w - of.w_loss)
@@ -154,10 +154,10 @@ def _predict(
     A plant other than "heading_first" is predicted as a unicycle.
 
     Args:
-      vessel, sampling: what is predicted, and how far.
-      of: what `resolution` makes of them.
-      bow: unit vector of the present heading.
-      base: rotation of one step at the window's lowest yaw rate.
+        vessel, sampling: what is predicted, and how far.
+        of: what `resolution` makes of them.
+        bow: unit vector of the present heading.
+        base: rotation of one step at the window's lowest yaw rate.
     """
     dt = vessel.dt
     turn = complex_product(base, of.turn)
@@ -217,11 +217,11 @@ def predicted_paths(vessel: Vessel, sampling: Sampling, motion: Motion) -> Array
     """Every predicted trajectory of the window, start included.
 
     Args:
-      vessel, sampling: what is predicted, and how far.
-      motion: the vessels.
+        vessel, sampling: what is predicted, and how far.
+        motion: the vessels.
 
     Returns:
-      float[n_v, n_w, horizon + 1, lanes, 2] (m).
+        float[n_v, n_w, horizon + 1, lanes, 2] (m).
     """
     nothing = jnp.zeros((2, 0, motion.rows.shape[1]), motion.rows.dtype)
     window = open_window(vessel, sampling, motion, nothing)

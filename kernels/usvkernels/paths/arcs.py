@@ -38,12 +38,12 @@ def near_blocked(charts: Charts, x: Array, y: Array, reach: Array) -> Array:
     """Whether blocked cells, or the map's edge, lie nearer to points than `reach`.
 
     Args:
-      charts: the map of each row of points.
-      x, y: points, float[n, ...], in cells from the map's corner.
-      reach: cells, at most a half: only the cells on the nearer sides can then be as near.
+        charts: the map of each row of points.
+        x, y: points, float[n, ...], in cells from the map's corner.
+        reach: cells, at most a half: only the cells on the nearer sides can then be as near.
 
     Returns:
-      bool[n, ...]; True off the map.
+        bool[n, ...]; True off the map.
     """
     column, row = jnp.floor(x), jnp.floor(y)
     off = ~charts.holds(column, row)
@@ -69,14 +69,14 @@ def sample(
     """Points along smoothed paths, one every `spacing`, the end being the last.
 
     Args:
-      primitives: of `assemble`, or the same compacted.
-      spacing: in the unit of the lengths.
-      capacity: most points of a path, static; further ones are cut off.
+        primitives: of `assemble`, or the same compacted.
+        spacing: in the unit of the lengths.
+        capacity: most points of a path, static; further ones are cut off.
 
     Returns:
-      float[B, capacity, 2], points, the last repeated; float[B, capacity], headings (rad);
-      float[B, capacity], curvatures; int32[B], points of each path, two at least where it has a
-      length.
+        float[B, capacity, 2], points, the last repeated; float[B, capacity], headings (rad);
+        float[B, capacity], curvatures; int32[B], points of each path, two at least where it has a
+        length.
     """
     ends = _ends(primitives.length)
     place = jnp.arange(capacity, dtype=jnp.int32)

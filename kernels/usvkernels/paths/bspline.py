@@ -9,8 +9,8 @@ def _with_four_points(points: Array, counts: Array) -> tuple[Array, Array]:
     """Paths of two or three points as the same line or parabola with four; others untouched.
 
     Args:
-      points: float[B, P, 2], P >= 4.
-      counts: int32[B].
+        points: float[B, P, 2], P >= 4.
+        counts: int32[B].
     """
     first, second, third = points[:, 0], points[:, 1], points[:, 2]
     line = jnp.stack([first, (2 * first + second) / 3, (first + 2 * second) / 3, second], 1)
@@ -48,13 +48,13 @@ def clamped_spline(points: Array, counts: Array, samples: int) -> tuple[Array, A
     spline of degree one or two.
 
     Args:
-      points: float[B, P, 2], P >= 4, control points.
-      counts: int32[B], points of each path: 0, or 2 and more.
-      samples: points of a curve, at equal steps of the parameter, static, >= 2.
+        points: float[B, P, 2], P >= 4, control points.
+        counts: int32[B], points of each path: 0, or 2 and more.
+        samples: points of a curve, at equal steps of the parameter, static, >= 2.
 
     Returns:
-      float[B, samples, 2], points; float[B, samples], heading (rad); float[B, samples],
-      signed curvature; both 0 where the curve stands still.
+        float[B, samples, 2], points; float[B, samples], heading (rad); float[B, samples],
+        signed curvature; both 0 where the curve stands still.
     """
     points, counts = _with_four_points(points, counts)
     parameter = jnp.linspace(0.0, 1.0, samples, dtype=points.dtype)

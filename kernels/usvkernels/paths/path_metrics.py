@@ -29,9 +29,9 @@ def measure(points: Array, counts: Array, tolerance: Array | float) -> Measures:
     2 sin(w / 2) / ((a + b) / 2): on equal chords of a circle exactly 1 / radius.
 
     Args:
-      points: float[B, P, 2], P >= 3; no point of a path equals the one before it.
-      counts: int32[B], points of each path, at most P.
-      tolerance: rad, a change of course that does not count as one.
+        points: float[B, P, 2], P >= 3; no point of a path equals the one before it.
+        counts: int32[B], points of each path, at most P.
+        tolerance: rad, a change of course that does not count as one.
     """
     corners = find_corners(points, counts)
     angle = jnp.where(corners.turns, jnp.abs(corners.deflection), 0.0)
@@ -52,13 +52,13 @@ def least_clearance(charts: Charts, points: Array, counts: Array, limit: Array |
     than what the path has met.
 
     Args:
-      charts: each path's map.
-      points: float[B, P, 2], in cells from the map's corner.
-      counts: int32[B], points of each path, at most P.
-      limit: cells, how far to look.
+        charts: each path's map.
+        points: float[B, P, 2], in cells from the map's corner.
+        counts: int32[B], points of each path, at most P.
+        limit: cells, how far to look.
 
     Returns:
-      float[B], in cells; 0 on a blocked cell, inf where none is as near as `limit`.
+        float[B], in cells; 0 on a blocked cell, inf where none is as near as `limit`.
     """
     exists = jnp.arange(points.shape[1], dtype=jnp.int32) < counts[:, None]
     x, y = points[..., 0], points[..., 1]

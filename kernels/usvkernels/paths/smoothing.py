@@ -88,12 +88,12 @@ def line_of_sight(
     """Whether the segments between the centres of cells touch no blocked cell.
 
     Args:
-      charts: each segment's map.
-      starts, ends: int32[n, 2], cells (x, y) of the map; ends count as touched.
-      corner_cutting: through a corner of the lattice, do not count the two cells beside it.
+        charts: each segment's map.
+        starts, ends: int32[n, 2], cells (x, y) of the map; ends count as touched.
+        corner_cutting: through a corner of the lattice, do not count the two cells beside it.
 
     Returns:
-      bool[n].
+        bool[n].
     """
     touched = charts.at(starts[:, 0], starts[:, 1]) | charts.at(ends[:, 0], ends[:, 1])
 
@@ -138,14 +138,14 @@ def prune(
     is Wei & Zhang 2023, Fig. 4: no point is left whose neighbours see each other.
 
     Args:
-      charts: each path's map.
-      cells: int32[B, P, 2], paths whose consecutive points see each other.
-      counts: int32[B], points of each path, at most P.
-      repeat: pass after pass, until one drops nothing (at most P).
-      corner_cutting: as `line_of_sight`.
+        charts: each path's map.
+        cells: int32[B, P, 2], paths whose consecutive points see each other.
+        counts: int32[B], points of each path, at most P.
+        repeat: pass after pass, until one drops nothing (at most P).
+        corner_cutting: as `line_of_sight`.
 
     Returns:
-      int32[B, P], the places of the points kept, the last repeated; int32[B], their number.
+        int32[B, P], the places of the points kept, the last repeated; int32[B], their number.
     """
     rows, capacity = cells.shape[:2]
     lane = jnp.arange(rows)
@@ -200,13 +200,13 @@ def redensify(
     """Points along paths: every key point, and from each on one every `unit` of length.
 
     Args:
-      points: float[B, P, 2].
-      counts: int32[B], points of each path, at most P.
-      unit: spacing, in the unit of `points`.
-      capacity: most points of a result, static; further ones are cut off.
+        points: float[B, P, 2].
+        counts: int32[B], points of each path, at most P.
+        unit: spacing, in the unit of `points`.
+        capacity: most points of a result, static; further ones are cut off.
 
     Returns:
-      float[B, capacity, 2], the last point repeated; int32[B], points of each.
+        float[B, capacity, 2], the last point repeated; int32[B], points of each.
     """
     slot = jnp.arange(points.shape[1], dtype=jnp.int32)
     step = points[:, 1:] - points[:, :-1]

@@ -79,12 +79,12 @@ def follow(
     that its error is known.
 
     Args:
-      reference: the paths, in the frame of the map's corner.
-      charts: each vessel's map as it is, not inflated.
-      cell_size: m.
-      params: the vessel.
-      steps: control periods, static; a vessel not there by then has not arrived.
-      window: samples that a vessel passes in a period at most.
+        reference: the paths, in the frame of the map's corner.
+        charts: each vessel's map as it is, not inflated.
+        cell_size: m.
+        params: the vessel.
+        steps: control periods, static; a vessel not there by then has not arrived.
+        window: samples that a vessel passes in a period at most.
     """
     lane = jnp.arange(reference.counts.shape[0])
     last = jnp.maximum(reference.counts - 1, 0)

@@ -85,8 +85,8 @@ def find_corners(points: Array, counts: Array) -> Corners:
     """Corners of paths.
 
     Args:
-      points: float[B, P, 2], P >= 3; no point equals the one before it.
-      counts: int32[B], points of each path, at most P.
+        points: float[B, P, 2], P >= 3; no point equals the one before it.
+        counts: int32[B], points of each path, at most P.
     """
     slot = jnp.arange(points.shape[1], dtype=jnp.int32)
     step = jnp.where((slot[1:] < counts[:, None])[..., None], points[:, 1:] - points[:, :-1], 0.0)
@@ -117,9 +117,9 @@ def make_templates(corners: Corners, radius: Array, reach: Array) -> Templates:
     """The candidates of every corner.
 
     Args:
-      corners: of `find_corners`.
-      radius: float[B], least turning radius R.
-      reach: float[B], R_s, where the wider inside arc leaves and meets the segments.
+        corners: of `find_corners`.
+        radius: float[B], least turning radius R.
+        reach: float[B], R_s, where the wider inside arc leaves and meets the segments.
     """
     radius = (radius * (1.0 + ROUNDING))[:, None]
     angle, side = jnp.abs(corners.deflection), jnp.sign(corners.deflection)
@@ -171,15 +171,15 @@ def free_of_obstacles(
     spacing from one of them, so it keeps `margin` when these keep `margin` and that much more.
 
     Args:
-      templates: candidates, in the frame of the map's corner (m).
-      wanted: bool[B, C, K]; the others need no answer.
-      charts: each path's map.
-      cell_size: m.
-      margin: m, distance that arcs keep to blocked cells, less than a quarter of a cell.
-      samples: points, at least the longest candidate over SAMPLE cells.
+        templates: candidates, in the frame of the map's corner (m).
+        wanted: bool[B, C, K]; the others need no answer.
+        charts: each path's map.
+        cell_size: m.
+        margin: m, distance that arcs keep to blocked cells, less than a quarter of a cell.
+        samples: points, at least the longest candidate over SAMPLE cells.
 
     Returns:
-      bool[B, C, K].
+        bool[B, C, K].
     """
     first, total = templates.length[..., 0], jnp.sum(templates.length, axis=-1)
     total = jnp.where(wanted, total, 0.0)
@@ -213,12 +213,12 @@ def allocate(corners: Corners, templates: Templates, usable: Array) -> Array:
     """Choose a candidate for every corner so that neighbours fit the segment they share.
 
     Args:
-      corners: of `find_corners`.
-      templates: their candidates.
-      usable: bool[B, C, K], candidates that fit alone and are free of obstacles.
+        corners: of `find_corners`.
+        templates: their candidates.
+        usable: bool[B, C, K], candidates that fit alone and are free of obstacles.
 
     Returns:
-      int32[B, C], the column of the candidate, K where the corner stays as it is.
+        int32[B, C], the column of the candidate, K where the corner stays as it is.
     """
     count = usable.shape[-1]
     rows = usable.shape[0]
@@ -263,10 +263,10 @@ def assemble(first: Array, corners: Corners, templates: Templates, chosen: Array
     """The smoothed paths.
 
     Args:
-      first: float[B, 2], where the paths begin.
-      corners: of `find_corners`.
-      templates: their candidates.
-      chosen: int32[B, C] of `allocate`.
+        first: float[B, 2], where the paths begin.
+        corners: of `find_corners`.
+        templates: their candidates.
+        chosen: int32[B, C] of `allocate`.
     """
     turned = chosen < templates.before.shape[-1]
 
@@ -316,15 +316,15 @@ def smooth(
     """Smooth paths: Algorithm 1 of Chen et al. 2023 from corners to segments and arcs.
 
     Args:
-      charts: each path's map, inflated.
-      points: float[B, P, 2], P >= 3, in the frame of the map's corner (m); no point of a path
-        equals the one before it, and its segments are clear.
-      counts: int32[B], points of each path.
-      radius, reach: float[B], R and R_s (m).
-      cell_size, margin, samples: as `free_of_obstacles`.
+        charts: each path's map, inflated.
+        points: float[B, P, 2], P >= 3, in the frame of the map's corner (m); no point of a path
+            equals the one before it, and its segments are clear.
+        counts: int32[B], points of each path.
+        radius, reach: float[B], R and R_s (m).
+        cell_size, margin, samples: as `free_of_obstacles`.
 
     Returns:
-      The corners, how each is sailed (int32[B, C] of `Turn`), and the segments and arcs.
+        The corners, how each is sailed (int32[B, C] of `Turn`), and the segments and arcs.
     """
     corners = find_corners(points, counts)
     templates = make_templates(corners, radius, reach)

@@ -53,10 +53,10 @@ def plan(static: AcoStatic, params: AcoParams, queries: AcoQueries, count: Array
     """Plan the first `count` queries.
 
     Args:
-      static: sizes.
-      params: of the method.
-      queries: checked; start and goal differ and are free.
-      count: int32, 1 or more; may be traced.
+        static: sizes.
+        params: of the method.
+        queries: checked; start and goal differ and are free.
+        count: int32, 1 or more; may be traced.
     """
     dtype = jnp.result_type(float)
     attraction = _attraction(static, params, queries, dtype)

@@ -114,12 +114,12 @@ def walked(
     A step of the lanes is CHUNK of an ant's, since numbers are drawn for so many at a time.
 
     Args:
-      static: sizes.
-      queries: what is asked.
-      count: int32, how many of the queries are real, 1 or more; may be traced.
-      iteration: int32, by which random numbers differ.
-      weight: float[queries * size, 8], of each move from each place; 0 where it is closed.
-      record: int32[rows * lanes], space for `Log.record`.
+        static: sizes.
+        queries: what is asked.
+        count: int32, how many of the queries are real, 1 or more; may be traced.
+        iteration: int32, by which random numbers differ.
+        weight: float[queries * size, 8], of each move from each place; 0 where it is closed.
+        record: int32[rows * lanes], space for `Log.record`.
     """
     jobs = static.ants * static.queries
     program = InPlace(

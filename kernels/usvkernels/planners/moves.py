@@ -14,10 +14,10 @@ def open_moves(blocked: Array) -> Array:
     """Which moves are open from each cell; a diagonal one needs both cells beside it free.
 
     Args:
-      blocked: bool[H, W].
+        blocked: bool[H, W].
 
     Returns:
-      bool[8, (H + 2) * (W + 2)], cells row by row of the map with a blocked margin.
+        bool[8, (H + 2) * (W + 2)], cells row by row of the map with a blocked margin.
     """
     free = jnp.pad(~blocked, 1).reshape(-1)
     stride = blocked.shape[1] + 2

@@ -32,11 +32,11 @@ class RowQueries:
     """What is asked, Q rows.
 
     Attributes:
-      blocked: bool[Q, H, W].
-      start: int32[Q, 2], cells (x, y).
-      goal: int32[Q, 2], another cell.
-      across: bool[Q], rows of the path are columns of the map.
-      seed: uint32[2, Q].
+        blocked: bool[Q, H, W].
+        start: int32[Q, 2], cells (x, y).
+        goal: int32[Q, 2], another cell.
+        across: bool[Q], rows of the path are columns of the map.
+        seed: uint32[2, Q].
     """
 
     blocked: Array
@@ -51,17 +51,17 @@ class Frame:
     """Queries in rows, and what is looked up in them; L = Q * members lanes.
 
     Attributes:
-      span: int32[Q * R * S], of cell (row, column): the first and the last column of the free
-        run that holds it, and whether it is free.
-      exit: int32[Q * R * S], the nearest exit columns at or before and at or after a cell, of
-        those from which the goal can be reached.
-      base: int32[L], where a lane's tables begin.
-      rows: int32[L], n, the goal's row.
-      first: int32[L], the start's column.
-      last: int32[L], the goal's.
-      width: int32[L], columns.
-      seed: uint32[2, L].
-      side: S, columns of the tables.
+        span: int32[Q * R * S], of cell (row, column): the first and the last column of the free
+            run that holds it, and whether it is free.
+        exit: int32[Q * R * S], the nearest exit columns at or before and at or after a cell, of
+            those from which the goal can be reached.
+        base: int32[L], where a lane's tables begin.
+        rows: int32[L], n, the goal's row.
+        first: int32[L], the start's column.
+        last: int32[L], the goal's.
+        width: int32[L], columns.
+        seed: uint32[2, L].
+        side: S, columns of the tables.
     """
 
     span: Array
@@ -81,10 +81,10 @@ class Measured:
     """Paths of exits int32[R, L].
 
     Attributes:
-      straight: int32[L], straight steps.
-      diagonal: int32[L], diagonal ones.
-      turns: int32[4, L], turns by 45, 90, 135 and 180 degrees.
-      joins: bool[R, L], whether the step from each row to the next is diagonal.
+        straight: int32[L], straight steps.
+        diagonal: int32[L], diagonal ones.
+        turns: int32[4, L], turns by 45, 90, 135 and 180 degrees.
+        joins: bool[R, L], whether the step from each row to the next is diagonal.
     """
 
     straight: Array
@@ -99,10 +99,10 @@ class RowPlans:
     """The best path of each query.
 
     Attributes:
-      exits: int32[R, Q]; undefined where there is no path.
-      joins: bool[R, Q].
-      length: float[Q], cells; inf where there is no path.
-      history: float[iterations, Q].
+        exits: int32[R, Q]; undefined where there is no path.
+        joins: bool[R, Q].
+        length: float[Q], cells; inf where there is no path.
+        history: float[iterations, Q].
     """
 
     exits: Array
@@ -115,9 +115,9 @@ def frame(queries: RowQueries, rows: int, members: int) -> Frame:
     """Lay out the queries in rows.
 
     Args:
-      queries: checked.
-      rows: R, static; more than the rows between start and goal.
-      members: of a population, static; lane q * members + i is member i of query q.
+        queries: checked.
+        rows: R, static; more than the rows between start and goal.
+        members: of a population, static; lane q * members + i is member i of query q.
     """
     height, width = queries.blocked.shape[1:]
     side = max(height, width)
@@ -176,11 +176,11 @@ def thread(place: Frame, wish: Array) -> tuple[Array, Array]:
     A path's own exits give that path.
 
     Args:
-      place: of the queries.
-      wish: int32[R, L], column in which to leave each row.
+        place: of the queries.
+        wish: int32[R, L], column in which to leave each row.
 
     Returns:
-      int32[R, L] exits (0 from the goal's row on), and bool[L] whether it is a path.
+        int32[R, L] exits (0 from the goal's row on), and bool[L] whether it is a path.
     """
 
     def leave(row: Array, carry: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:

@@ -101,14 +101,14 @@ def expand(
     """Expand one cell in every lane that searches.
 
     Args:
-      static: what is searched for.
-      sizes: of the lanes' queues.
-      queries: all queries.
-      lanes: the searches under way.
-      steps: uint8[B * size], how each state was entered: direction, 8 times the turn.
+        static: what is searched for.
+        sizes: of the lanes' queues.
+        queries: all queries.
+        lanes: the searches under way.
+        steps: uint8[B * size], how each state was entered: direction, 8 times the turn.
 
     Returns:
-      The lanes, and the steps with those entered now.
+        The lanes, and the steps with those entered now.
     """
     go, queues = queries.go, lanes.queues
     least = pqueue.least(sizes, queues, go)

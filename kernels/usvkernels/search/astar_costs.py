@@ -27,18 +27,18 @@ class AstarStatic:
     """What is fixed when a search is compiled.
 
     Attributes:
-      height: rows of the map.
-      width: columns of the map.
-      connectivity: 8, or 4 for straight moves only.
-      corner_cutting: whether a diagonal step may pass a blocked cell beside it.
-      heuristic: one of `HEURISTICS`, or "table" to look distances up.
-      consistent: whether f never falls from a cell to the next.
-      reopen: whether a closed cell is opened again when a shorter way to it is found; never
-        happens with a consistent heuristic.
-      turn_mode: "none"; "parent": e(n) enters the evaluation of a cell only, given the
-        direction its parent was entered by (Zhang et al. 2019, Eq. 7 as printed); "accumulated":
-        likewise, and it counts as length from there on; "exact": search over (cell, heading).
-      shared: whether all queries are on one map.
+        height: rows of the map.
+        width: columns of the map.
+        connectivity: 8, or 4 for straight moves only.
+        corner_cutting: whether a diagonal step may pass a blocked cell beside it.
+        heuristic: one of `HEURISTICS`, or "table" to look distances up.
+        consistent: whether f never falls from a cell to the next.
+        reopen: whether a closed cell is opened again when a shorter way to it is found; never
+            happens with a consistent heuristic.
+        turn_mode: "none"; "parent": e(n) enters the evaluation of a cell only, given the direction
+            its parent was entered by (Zhang et al. 2019, Eq. 7 as printed); "accumulated":
+            likewise, and it counts as length from there on; "exact": search over (cell, heading).
+        shared: whether all queries are on one map.
     """
 
     height: int
@@ -107,12 +107,12 @@ def walled(static: AstarStatic, blocked: np.ndarray, size: int) -> np.ndarray:
     """Maps with walls around them, as the search reads them.
 
     Args:
-      static: of the search.
-      blocked: bool[n, H, W].
-      size: places of a queue, at least `static.states`.
+        static: of the search.
+        blocked: bool[n, H, W].
+        size: places of a queue, at least `static.states`.
 
     Returns:
-      bool[n, size].
+        bool[n, size].
     """
     count, height, _ = blocked.shape
     plane = np.ones((count, size), bool)
@@ -131,7 +131,7 @@ def distance_table(static: AstarStatic, heuristic: str, weight: float) -> np.nda
     end at a quarter of the greatest length, which only a weighted heuristic reaches.
 
     Returns:
-      int32[(H + 2) * (W + 2)].
+        int32[(H + 2) * (W + 2)].
     """
     dy, dx = np.meshgrid(np.arange(static.height + 2), np.arange(static.width + 2), indexing="ij")
     dx, dy = dx.astype(np.int64), dy.astype(np.int64)

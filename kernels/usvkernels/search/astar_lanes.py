@@ -43,12 +43,12 @@ def program(static: AstarStatic, queries: AstarQueries) -> InPlace:
     """AstarQueries as a program for `lanes.run`; the budget ends every one.
 
     Args:
-      static: what is searched for.
-      queries: B of them, at least one.
+        static: what is searched for.
+        queries: B of them, at least one.
 
     Returns:
-      The program, with results `Found`. Its log is uint8[B * size], how each state was entered:
-      direction, 8 times the turn.
+        The program, with results `Found`. Its log is uint8[B * size], how each state was entered:
+        direction, 8 times the turn.
     """
 
     def step(lanes: Lanes, steps: Array) -> tuple[Lanes, Array]:

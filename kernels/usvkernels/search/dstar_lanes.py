@@ -17,14 +17,14 @@ def program(static: ReplanStatic, episodes: Episodes, capacity: int) -> InPlace:
     Every iteration counts towards its lane's bound between two records, so an episode ends.
 
     Args:
-      static: choices of method.
-      episodes: n of them.
-      capacity: of records, static; n * (T + 1) at least, less than `dstar_search.NOWHERE`.
+        static: choices of method.
+        episodes: n of them.
+        capacity: of records, static; n * (T + 1) at least, less than `dstar_search.NOWHERE`.
 
     Returns:
-      The program, without results. Its log are the records, int32[capacity, 3], in rows
-      j * (T + 1) + i: the vessel's cell, cost-to-go (as `dstar_lite.advance` has it) and
-      expansions; cell -1 where the episode had ended before.
+        The program, without results. Its log are the records, int32[capacity, 3], in rows
+        j * (T + 1) + i: the vessel's cell, cost-to-go (as `dstar_lite.advance` has it) and
+        expansions; cell -1 where the episode had ended before.
     """
 
     def step(lanes: Lanes, records: Array) -> tuple[Lanes, Array]:

@@ -80,11 +80,11 @@ class ReplanStatic:
     """Choices of method; hashable.
 
     Attributes:
-      layout: size of the maps.
-      heuristic: of `replan_heuristics.HEURISTICS`.
-      weight: of "weighted_octile"; None takes that of Yu's Eq. 17.
-      corner_cutting: whether a diagonal step needs only its target free, not both sides.
-      sensing: (h, w) of the window about the vessel in which changes are noticed; None: all are.
+        layout: size of the maps.
+        heuristic: of `replan_heuristics.HEURISTICS`.
+        weight: of "weighted_octile"; None takes that of Yu's Eq. 17.
+        corner_cutting: whether a diagonal step needs only its target free, not both sides.
+        sensing: (h, w) of the window about the vessel in which changes are noticed; None: all are.
     """
 
     layout: Layout

@@ -32,15 +32,15 @@ class Episodes:
     """What the lanes work on; all cells as `Layout.index`.
 
     Attributes:
-      blocked: bool[M, size], maps with their margin.
-      map_of: int32[n], map of each episode.
-      start: int32[n].
-      goal: int32[n]; differs from the start.
-      flips: int32[n * T * C or more], the C cells that change just before each of T moves, -1
-        after the last.
-      steps: int32, T; an operand, so that programs are compiled for sizes of arrays alone.
-      width: int32, C.
-      max_expansions: int32, before one record, after which an episode is given up.
+        blocked: bool[M, size], maps with their margin.
+        map_of: int32[n], map of each episode.
+        start: int32[n].
+        goal: int32[n]; differs from the start.
+        flips: int32[n * T * C or more], the C cells that change just before each of T moves, -1
+            after the last.
+        steps: int32, T; an operand, so that programs are compiled for sizes of arrays alone.
+        width: int32, C.
+        max_expansions: int32, before one record, after which an episode is given up.
     """
 
     blocked: Array
@@ -69,14 +69,14 @@ def advance(static: ReplanStatic, episodes: Episodes, lanes: Lanes) -> tuple[Lan
     """Do the next thing in every lane: one change, one expansion or one move.
 
     Args:
-      static: choices of method.
-      episodes: all episodes.
-      lanes: those under way.
+        static: choices of method.
+        episodes: all episodes.
+        lanes: those under way.
 
     Returns:
-      The lanes; the places of their records, int32[lanes] into n * (T + 1), NOWHERE where there
-      is none now; and the records int32[lanes, 3]: the vessel's cell, cost-to-go (INFINITE where
-      cut off, or GAVE_UP) and expansions since the record before.
+        The lanes; the places of their records, int32[lanes] into n * (T + 1), NOWHERE where there
+        is none now; and the records int32[lanes, 3]: the vessel's cell, cost-to-go (INFINITE where
+        cut off, or GAVE_UP) and expansions since the record before.
     """
     lanes, changing, changed = _next_change(static, episodes, lanes)
     now = standing(static, lanes)

@@ -60,9 +60,9 @@ def touch_patch(static: ReplanStatic, touch: Touch, patch: Array) -> Outcome:
     A popped cell is expanded, unless its key had fallen behind: then it only gets that of now.
 
     Args:
-      static: choices of method.
-      touch: what is done.
-      patch: int32[5, 5, lanes], g of the cells about `touch.cell`.
+        static: choices of method.
+        touch: what is done.
+        patch: int32[5, 5, lanes], g of the cells about `touch.cell`.
     """
     bounds, guides = _distances(static, touch)
     old = patch[2, 2]
@@ -105,11 +105,11 @@ def _ways(static: ReplanStatic, g: Array) -> list[Array]:
     """Cost-to-go by way of each neighbour, INFINITE or more where there is none.
 
     Args:
-      static: choices of method.
-      g: int32[n + 2, m + 2, lanes].
+        static: choices of method.
+        g: int32[n + 2, m + 2, lanes].
 
     Returns:
-      int32[n, m, lanes] for the inner cells, by neighbour in the order of `AROUND`.
+        int32[n, m, lanes] for the inner cells, by neighbour in the order of `AROUND`.
     """
     n, m = g.shape[0] - 2, g.shape[1] - 2
 

@@ -102,11 +102,11 @@ def begin_planes(
     """Planes g, key and bounds of all lanes with those of one lane begun anew.
 
     Args:
-      static: choices of method.
-      planes: g, key, bounds as in `Searches`.
-      lane: int32, which.
-      blocked: bool[size], its map.
-      goal, key: int32, its goal, and the goal's `first_key`.
+        static: choices of method.
+        planes: g, key, bounds as in `Searches`.
+        lane: int32, which.
+        blocked: bool[size], its map.
+        goal, key: int32, its goal, and the goal's `first_key`.
     """
     g, keys, bounds = planes
     size = static.layout.size
@@ -147,15 +147,15 @@ def worked(
     """Touch one cell in every lane.
 
     Args:
-      static: choices of method.
-      lanes: the searches.
-      now: where they stand.
-      searching: bool[lanes], which take the first cell off their queue.
-      changed: int32[lanes], the cell that becomes blocked or free; void where none does.
-      otherwise: int32[lanes], the cell about which a lane that does neither is to look.
+        static: choices of method.
+        lanes: the searches.
+        now: where they stand.
+        searching: bool[lanes], which take the first cell off their queue.
+        changed: int32[lanes], the cell that becomes blocked or free; void where none does.
+        otherwise: int32[lanes], the cell about which a lane that does neither is to look.
 
     Returns:
-      The lanes after it, and what came of it.
+        The lanes after it, and what came of it.
     """
     flip = changed != static.layout.void
     lanes = replace(

@@ -41,10 +41,10 @@ class Layout:
     """Sizes of a batch of queues (static).
 
     Attributes:
-      lanes: queues in the batch.
-      leaf: places in a block.
-      group: blocks in a group; 1 with two levels, keys and block minima.
-      groups: groups in a queue.
+        lanes: queues in the batch.
+        leaf: places in a block.
+        group: blocks in a group; 1 with two levels, keys and block minima.
+        groups: groups in a queue.
     """
 
     lanes: int
@@ -97,10 +97,10 @@ def layout(lanes: int, cells: int, leaf: int = _LEAF, levels: int = 0) -> Layout
     """Choose the sizes of queues of at least `cells` places.
 
     Args:
-      lanes: queues in the batch.
-      cells: places wanted.
-      leaf: places in a block.
-      levels: 2, 3, or 0 for what measures best at this size.
+        lanes: queues in the batch.
+        cells: places wanted.
+        leaf: places in a block.
+        levels: 2, 3, or 0 for what measures best at this size.
     """
     blocks = -(-cells // leaf)
     if levels == 2 or (levels == 0 and blocks <= _COLUMN):
@@ -127,9 +127,9 @@ def pair(first: Array, second: Array, bits: int) -> Array:
     """One int32 key of two parts, in the order of the first, then of the second.
 
     Args:
-      first: int32[...], 0 or more, below 2**(31 - bits) - 1.
-      second: int32[...], 0 or more; from 2**bits - 1 on, all are alike.
-      bits: of the second part, static.
+        first: int32[...], 0 or more, below 2**(31 - bits) - 1.
+        second: int32[...], 0 or more; from 2**bits - 1 on, all are alike.
+        bits: of the second part, static.
     """
     return (first << bits | jnp.minimum(second, (1 << bits) - 1)) ^ LEAST_KEY
 
@@ -143,9 +143,9 @@ def least(sizes: Layout, queues: Queues, go: Array) -> Least:
     """Look at the first cell of each queue, which stays where it is.
 
     Args:
-      sizes: of the batch.
-      queues: the batch.
-      go: bool[], True and traced; see `stage`.
+        sizes: of the batch.
+        queues: the batch.
+        go: bool[], True and traced; see `stage`.
     """
     lane = jnp.arange(sizes.lanes, dtype=jnp.int32)
     group_rest = jnp.full(sizes.lanes, ABSENT)
@@ -164,11 +164,11 @@ def lower(sizes: Layout, queues: Queues, go: Array, cells: Array, values: Array)
     """Push cells, decrease their keys, or mark cells that are not queued.
 
     Args:
-      sizes: of the batch.
-      queues: the batch.
-      go: see `stage`.
-      cells: int32[n, lanes], distinct within a lane.
-      values: int32[n, lanes], the keys from now on: none above that which a queued cell has.
+        sizes: of the batch.
+        queues: the batch.
+        go: see `stage`.
+        cells: int32[n, lanes], distinct within a lane.
+        values: int32[n, lanes], the keys from now on: none above that which a queued cell has.
     """
     nothing = Least(*(jnp.zeros(sizes.lanes, jnp.int32),) * 6)
     return replace(sizes, queues, go, nothing, jnp.zeros(sizes.lanes, bool), cells, values)
@@ -186,15 +186,15 @@ def replace(
     """Pop the first cell of some queues, and push or lower others, in one go.
 
     Args:
-      sizes: of the batch.
-      queues: the batch.
-      go: see `stage`.
-      popped: as `least` gave it; no other change in between.
-      take: bool[lanes], where to pop.
-      cells: int32[n, lanes], distinct within a lane. Where `take`, the popped cell is among
-        them, with a value from `ABSENT` on.
-      values: int32[n, lanes], for the others as in `lower`; the value that a cell has already
-        leaves it as it is.
+        sizes: of the batch.
+        queues: the batch.
+        go: see `stage`.
+        popped: as `least` gave it; no other change in between.
+        take: bool[lanes], where to pop.
+        cells: int32[n, lanes], distinct within a lane. Where `take`, the popped cell is among
+            them, with a value from `ABSENT` on.
+        values: int32[n, lanes], for the others as in `lower`; the value that a cell has already
+            leaves it as it is.
     """
     lane = jnp.arange(sizes.lanes, dtype=jnp.int32)
 
@@ -248,12 +248,12 @@ def _first_and_rest(
     """In one part of a plane: the place of a key, and the least of the other keys.
 
     Args:
-      plane: int32[lanes * places].
-      lane_at: int32[lanes], where each lane's places begin.
-      part: int32[lanes], number of the part.
-      width: places in a part.
-      key: int32[lanes].
-      go: see `stage`.
+        plane: int32[lanes * places].
+        lane_at: int32[lanes], where each lane's places begin.
+        part: int32[lanes], number of the part.
+        width: places in a part.
+        key: int32[lanes].
+        go: see `stage`.
     """
     offset = jnp.arange(width, dtype=jnp.int32)[:, None]
     index = stage(go, lambda: lane_at + part * width + offset)

@@ -30,12 +30,12 @@ def bound(heuristic: str, dx: Array, dy: Array) -> Array:
     """The consistent distance that `heuristic` builds on.
 
     Args:
-      heuristic: of `HEURISTICS`.
-      dx: int32[...], columns between the cells.
-      dy: int32[...], rows.
+        heuristic: of `HEURISTICS`.
+        dx: int32[...], columns between the cells.
+        dy: int32[...], rows.
 
     Returns:
-      int32[...], in units of `steps`.
+        int32[...], in units of `steps`.
     """
     dx, dy = jnp.abs(dx), jnp.abs(dy)
     along, across = jnp.maximum(dx, dy), jnp.minimum(dx, dy)
@@ -56,15 +56,15 @@ def guide(
     constant one.
 
     Args:
-      heuristic: of `HEURISTICS`.
-      weight: of "weighted_octile"; None takes w of Eq. 17.
-      dx: int32[...], columns between cell and vessel.
-      dy: int32[...], rows.
-      goal_dx: int32[...], columns between goal and vessel.
-      goal_dy: int32[...], rows.
+        heuristic: of `HEURISTICS`.
+        weight: of "weighted_octile"; None takes w of Eq. 17.
+        dx: int32[...], columns between cell and vessel.
+        dy: int32[...], rows.
+        goal_dx: int32[...], columns between goal and vessel.
+        goal_dy: int32[...], rows.
 
     Returns:
-      int32[...], in units of `steps`.
+        int32[...], in units of `steps`.
     """
     base = bound(heuristic, dx, dy)
     if heuristic in ("octile", "chebyshev"):

@@ -70,7 +70,7 @@ def moves(connectivity: int = 8, units: Units = UNITS) -> tuple[Move, ...]:
 
     Args:
         connectivity: 4 or 8.
-        units: What lengths are counted in.
+        units: what lengths are counted in.
     """
     straight = ((1, 0), (0, -1), (-1, 0), (0, 1))
     diagonal = ((1, -1), (-1, -1), (-1, 1), (1, 1)) if connectivity == 8 else ()
@@ -83,8 +83,8 @@ def octile(dx: Any, dy: Any, units: Units = UNITS) -> Any:
     """Length in units of the shortest path over free cells, for |dx| and |dy| cells.
 
     Args:
-        dx, dy: Numbers of cells >= 0; ints, or numpy or JAX integer arrays wide enough.
-        units: What lengths are counted in.
+        dx, dy: numbers of cells >= 0; ints, or numpy or JAX integer arrays wide enough.
+        units: what lengths are counted in.
     """
     larger = jnp.maximum if isinstance(dx, jax.Array) else np.maximum
     smaller = jnp.minimum if isinstance(dx, jax.Array) else np.minimum
@@ -101,8 +101,8 @@ def counts(length: Any, units: Units = UNITS) -> tuple[np.ndarray, np.ndarray]:
     """Straight and diagonal steps in lengths (exact; on the host).
 
     Args:
-        length: Lengths in units below ``units.cap``, any integer array.
-        units: What they are counted in.
+        length: lengths in units below ``units.cap``, any integer array.
+        units: what they are counted in.
 
     Returns:
         Two int64 arrays.

@@ -43,12 +43,12 @@ class Sweep:
     """What is compiled into a sweep (static).
 
     Attributes:
-      width, height: of the maps, cells.
-      lanes: maps side by side.
-      block: slots updated together.
-      units: of lengths.
-      connectivity: 4 or 8.
-      corner_cutting: whether a diagonal step may pass a blocked side cell.
+        width, height: of the maps, cells.
+        lanes: maps side by side.
+        block: slots updated together.
+        units: of lengths.
+        connectivity: 4 or 8.
+        corner_cutting: whether a diagonal step may pass a blocked side cell.
     """
 
     width: int
@@ -130,14 +130,14 @@ def relax(
     """One pass.
 
     Args:
-      sweep: static.
-      plane: of lengths.
-      to_goal: plane of h; None where all cells matter.
-      bound: [lanes] C.
-      backward: bool[], the direction.
+        sweep: static.
+        plane: of lengths.
+        to_goal: plane of h; None where all cells matter.
+        bound: [lanes] C.
+        backward: bool[], the direction.
 
     Returns:
-      The plane, and bool[lanes], whether a cell with g + h <= C changed.
+        The plane, and bool[lanes], whether a cell with g + h <= C changed.
     """
     lanes, block = sweep.lanes, sweep.block
     size, dtype = block * lanes, sweep.units.dtype
@@ -189,9 +189,9 @@ def fold(sweep: Sweep, piece: Callable[[Array, Array], Array], start: Array) -> 
     """Go over a plane block by block: value = piece(first element, value).
 
     Args:
-      sweep: static.
-      piece: sees the first element of a block of ``sweep.block * sweep.lanes``.
-      start: value to begin with.
+        sweep: static.
+        piece: sees the first element of a block of ``sweep.block * sweep.lanes``.
+        start: value to begin with.
     """
     size = sweep.block * sweep.lanes
 
@@ -218,13 +218,13 @@ def turned(sweep: Sweep, packed: Array, which: Array) -> Array:
     """Packed maps, in some lanes turned by half a circle (the cells in opposite order).
 
     Args:
-      sweep: static.
-      packed: uint8[..., words, lanes or 1], `numpy.packbits` of the maps' cells with the low bit
-        first.
-      which: bool[..., lanes].
+        sweep: static.
+        packed: uint8[..., words, lanes or 1], `numpy.packbits` of the maps' cells with the low bit
+            first.
+        which: bool[..., lanes].
 
     Returns:
-      uint8[..., words, lanes].
+        uint8[..., words, lanes].
     """
     back = packed[..., ::-1, :]
     for shift, mask in ((4, 0x0F), (2, 0x33), (1, 0x55)):
@@ -241,9 +241,9 @@ def lay_out(sweep: Sweep, packed: Array, mirror_y: Array) -> Array:
     """The plane of lengths with nothing reached yet.
 
     Args:
-      sweep: static.
-      packed: uint8[words, lanes], maps.
-      mirror_y: bool[lanes], where to take the rows from the last to the first.
+        sweep: static.
+        packed: uint8[words, lanes], maps.
+        mirror_y: bool[lanes], where to take the rows from the last to the first.
     """
     units = sweep.units
     free, flag = jnp.asarray(units.cap, units.dtype), jnp.asarray(units.flag, units.dtype)

@@ -26,11 +26,11 @@ class Fields:
     """Distances; leaves [G, ...].
 
     Attributes:
-      length: uint[G, height * width, lanes], units to the nearest source; ``units.cap`` where
-        there is none and in blocked cells.
-      capped: bool[G, lanes], lengths came near the greatest that there is: cells with
-        ``units.cap`` may be farther away rather than cut off.
-      passes: int32[G], passes over the maps of a group.
+        length: uint[G, height * width, lanes], units to the nearest source; ``units.cap`` where
+            there is none and in blocked cells.
+        capped: bool[G, lanes], lengths came near the greatest that there is: cells with
+            ``units.cap`` may be farther away rather than cut off.
+        passes: int32[G], passes over the maps of a group.
     """
 
     length: Array
@@ -42,14 +42,14 @@ def field(sweep: Sweep, packed: Array, sources: Array, groups: Array) -> Fields:
     """Find the distance of every cell to the nearest source.
 
     Args:
-      sweep: static.
-      packed: uint8[G or 1, words, lanes or 1], as of `SweepQueries`.
-      sources: int32[G, K, lanes, 2], cells (x, y); negative ones are padding, blocked ones do
-        not count.
-      groups: int32[], how many groups to do; the rows of the others are zero.
+        sweep: static.
+        packed: uint8[G or 1, words, lanes or 1], as of `SweepQueries`.
+        sources: int32[G, K, lanes, 2], cells (x, y); negative ones are padding, blocked ones do
+            not count.
+        groups: int32[], how many groups to do; the rows of the others are zero.
 
     Returns:
-      The fields.
+        The fields.
     """
 
     def group(i: Array) -> Fields:
@@ -113,13 +113,13 @@ def _pass(sweep: Sweep, plane: Array, before: Array, backward: Array) -> tuple[A
     """One pass over the blocks behind which, as the pass goes, something changed.
 
     Args:
-      sweep: static.
-      plane: of lengths.
-      before: bool[blocks], changed in the pass before, which went the other way.
-      backward: bool[], the direction.
+        sweep: static.
+        plane: of lengths.
+        before: bool[blocks], changed in the pass before, which went the other way.
+        backward: bool[], the direction.
 
     Returns:
-      The plane, and bool[blocks] where it changed.
+        The plane, and bool[blocks] where it changed.
     """
     size, blocks = sweep.block * sweep.lanes, sweep.blocks
     sign = jnp.where(backward, -sweep.lanes, sweep.lanes)

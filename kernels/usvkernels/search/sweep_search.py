@@ -34,10 +34,10 @@ class SweepQueries:
     """Groups of queries; G groups of as many as `Sweep.lanes`.
 
     Attributes:
-      packed: uint8[G or 1, words, lanes or 1], `numpy.packbits` of the maps' cells, low bit
-        first; ones for shared maps.
-      start, goal: int32[G, lanes, 2], free cells (x, y).
-      live: bool[G, lanes], False for lanes without a query.
+        packed: uint8[G or 1, words, lanes or 1], `numpy.packbits` of the maps' cells, low bit
+            first; ones for shared maps.
+        start, goal: int32[G, lanes, 2], free cells (x, y).
+        live: bool[G, lanes], False for lanes without a query.
     """
 
     packed: Array
@@ -52,13 +52,13 @@ class Routes:
     """What came of the queries; leaves [G, lanes, ...].
 
     Attributes:
-      status: int32, FOUND, UNREACHABLE, OUT_OF_BUDGET (longer than the units can tell), or
-        RUNNING (left over, or no query).
-      length: uint32, in units.
-      passes: int32, passes until the length was proven.
-      expanded: int32, cells with g + h < C, and those on the path with g + h = C.
-      path: int32[..., cells, 2], (x, y) from start to goal, then the goal again; cut short at
-        the goal's end where the path has more cells.
+        status: int32, FOUND, UNREACHABLE, OUT_OF_BUDGET (longer than the units can tell), or
+            RUNNING (left over, or no query).
+        length: uint32, in units.
+        passes: int32, passes until the length was proven.
+        expanded: int32, cells with g + h < C, and those on the path with g + h = C.
+        path: int32[..., cells, 2], (x, y) from start to goal, then the goal again; cut short at
+            the goal's end where the path has more cells.
     """
 
     status: Array
@@ -75,15 +75,15 @@ def solve(sweep: Sweep, cells: int, queries: SweepQueries, groups: Array, leave:
     left over.
 
     Args:
-      sweep: static.
-      cells: of a path, static.
-      queries: G groups.
-      groups: int32[], how many of them to solve; the rows of the others are zero.
-      leave: int32[], when no more than this many lanes of a group are not done, the group
-        stops, and their status is RUNNING.
+        sweep: static.
+        cells: of a path, static.
+        queries: G groups.
+        groups: int32[], how many of them to solve; the rows of the others are zero.
+        leave: int32[], when no more than this many lanes of a group are not done, the group
+            stops, and their status is RUNNING.
 
     Returns:
-      The routes.
+        The routes.
     """
     # Mirrored so that the goal lies ahead of a forward pass: half the passes.
     flip = queries.start > queries.goal
@@ -207,7 +207,7 @@ def _trace(
     as seen in a map mirrored so that the goal is to the east and south of the start.
 
     Returns:
-      int32[lanes, cells, 2], and per lane the number of path cells with g + h = C.
+        int32[lanes, cells, 2], and per lane the number of path cells with g + h = C.
     """
     lane = jnp.arange(sweep.lanes, dtype=jnp.int32)
     end = goal[0], goal[1]

@@ -36,8 +36,8 @@ class AcoParams:
     """Each a number or float[R], one per run.
 
     Attributes:
-      locality: q, above 0: the smaller, the more the best of the archive leads.
-      evaporation: xi, above 0: the larger, the wider ants search and the slower they converge.
+        locality: q, above 0: the smaller, the more the best of the archive leads.
+        evaporation: xi, above 0: the larger, the wider ants search and the slower they converge.
     """
 
     locality: float | Array = 0.01  # theirs, 1e-4, goes with two ants and stalls with 200
@@ -49,7 +49,7 @@ class AcoStatic:
     """Choices of method.
 
     Attributes:
-      archive: solutions kept, 2 or more.
+        archive: solutions kept, 2 or more.
     """
 
     archive: int = 50  # Socha and Dorigo 2008
@@ -68,16 +68,16 @@ def run(
     """Minimise fn in R runs; archive + population * iterations evaluations each.
 
     Args:
-      fn: the function.
-      box: its bounds; positions are clipped to them.
-      seed: uint32[2, R].
-      params: leaves float or float[R].
-      static: choices of method.
-      population: ants.
-      iterations: T.
+        fn: the function.
+        box: its bounds; positions are clipped to them.
+        seed: uint32[2, R].
+        params: leaves float or float[R].
+        static: choices of method.
+        population: ants.
+        iterations: T.
 
     Returns:
-      What was found.
+        What was found.
     """
     dtype = box.low.dtype
     chances = rank_chances(static.archive, jnp.asarray(params.locality, dtype))

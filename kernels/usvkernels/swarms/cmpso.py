@@ -35,10 +35,10 @@ class CmpsoParams:
     """Each a number or float[R], one per run.
 
     Attributes:
-      inertia: omega.
-      cognitive: c1, pull of a particle's own best.
-      social: c2, pull of its sub-swarm's best.
-      max_speed: per iteration, as a share of the range, above 0.
+        inertia: omega.
+        cognitive: c1, pull of a particle's own best.
+        social: c2, pull of its sub-swarm's best.
+        max_speed: per iteration, as a share of the range, above 0.
     """
 
     inertia: float | Array = 0.4  # section 5.1
@@ -52,8 +52,8 @@ class CmpsoStatic:
     """Choices of method.
 
     Attributes:
-      swarms: sub-swarms; the population is a multiple.
-      exchange: iterations from one exchange to the next.
+        swarms: sub-swarms; the population is a multiple.
+        exchange: iterations from one exchange to the next.
     """
 
     swarms: int = 2
@@ -84,16 +84,16 @@ def run(
     """Minimise fn in R runs; population * iterations evaluations each.
 
     Args:
-      fn: the function.
-      box: its bounds; positions are clipped to them.
-      seed: uint32[2, R].
-      params: leaves float or float[R].
-      static: choices of method.
-      population: particles, a multiple of `static.swarms`.
-      iterations: T, the first evaluation included.
+        fn: the function.
+        box: its bounds; positions are clipped to them.
+        seed: uint32[2, R].
+        params: leaves float or float[R].
+        static: choices of method.
+        population: particles, a multiple of `static.swarms`.
+        iterations: T, the first evaluation included.
 
     Returns:
-      What was found.
+        What was found.
     """
 
     def step(carry: tuple, time: Array) -> tuple[tuple, Array]:

@@ -37,9 +37,9 @@ class TestFunction:
     """A function of Table 8 with its range.
 
     Attributes:
-      name: as the paper has it.
-      fn: float[dim] -> float.
-      bounds: (low, high), the same for every coordinate.
+        name: as the paper has it.
+        fn: float[dim] -> float.
+        bounds: (low, high), the same for every coordinate.
     """
 
     name: str
@@ -60,8 +60,8 @@ class Shifted:
     """A function with its origin moved to `shift`; equal ones share a compiled program.
 
     Attributes:
-      fn: float[dim] -> float.
-      shift: one per coordinate, or one for all.
+        fn: float[dim] -> float.
+        shift: one per coordinate, or one for all.
     """
 
     fn: Objective
@@ -76,8 +76,8 @@ def shifted(fn: Objective, shift: Array | tuple[float, ...] | float) -> Shifted:
     """The function x -> fn(x - shift), whose optimum is not at the origin.
 
     Args:
-      fn: float[dim] -> float.
-      shift: a number, or one for each coordinate.
+        fn: float[dim] -> float.
+        shift: a number, or one for each coordinate.
     """
     if isinstance(shift, int | float):
         return Shifted(fn, float(shift))

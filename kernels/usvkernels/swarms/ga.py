@@ -34,9 +34,9 @@ class GaParams:
     """Each a number or float[R], one per run.
 
     Attributes:
-      crossing: chance that a child is a blend of two parents, not a copy of one.
-      mutation: chance that one coordinate of a child is drawn anew.
-      blend: how far a child may lie outside its parents, as a share of their distance.
+        crossing: chance that a child is a blend of two parents, not a copy of one.
+        mutation: chance that one coordinate of a child is drawn anew.
+        blend: how far a child may lie outside its parents, as a share of their distance.
     """
 
     crossing: float | Array = 0.8  # section 5.1
@@ -49,7 +49,7 @@ class GaStatic:
     """Choices of method.
 
     Attributes:
-      elitism: the best one so far takes the place of the first child.
+        elitism: the best one so far takes the place of the first child.
     """
 
     elitism: bool = True
@@ -68,16 +68,16 @@ def run(
     """Minimise fn in R runs; population * iterations evaluations each.
 
     Args:
-      fn: the function.
-      box: its bounds; positions are clipped to them.
-      seed: uint32[2, R].
-      params: leaves float or float[R].
-      static: choices of method.
-      population: individuals.
-      iterations: T, generations, the random first one included.
+        fn: the function.
+        box: its bounds; positions are clipped to them.
+        seed: uint32[2, R].
+        params: leaves float or float[R].
+        static: choices of method.
+        population: individuals.
+        iterations: T, generations, the random first one included.
 
     Returns:
-      What was found.
+        What was found.
     """
 
     def step(carry: tuple[Array, Array, Record], time: Array) -> tuple[tuple, Array]:

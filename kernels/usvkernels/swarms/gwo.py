@@ -34,11 +34,11 @@ class GwoStatic:
     """Choices of method.
 
     Attributes:
-      law: of a(t), one of `laws.LAWS`.
-      leaders: "kept": the three best positions ever evaluated. In the authors' own program a new
-        alpha displaces the old one; here that one becomes beta, as the text has it. "pack": the
-        three best of the current pack.
-      greedy: a wolf stays where it is unless the new position is better.
+        law: of a(t), one of `laws.LAWS`.
+        leaders: "kept": the three best positions ever evaluated. In the authors' own program a new
+            alpha displaces the old one; here that one becomes beta, as the text has it. "pack": the
+            three best of the current pack.
+        greedy: a wolf stays where it is unless the new position is better.
     """
 
     law: str = "linear"
@@ -52,12 +52,12 @@ class Wolves:
     """A pack under way.
 
     Attributes:
-      x: float[n, dim, R], positions to evaluate next.
-      home: float[n, dim, R] with `greedy`, best position of each wolf; else [0, dim, R].
-      home_value: float[n, R] with `greedy`, there; else [0, R].
-      kept: float[3, dim, R], the three best positions so far, best first.
-      kept_value: float[3, R], there.
-      nans: int32[R].
+        x: float[n, dim, R], positions to evaluate next.
+        home: float[n, dim, R] with `greedy`, best position of each wolf; else [0, dim, R].
+        home_value: float[n, R] with `greedy`, there; else [0, R].
+        kept: float[3, dim, R], the three best positions so far, best first.
+        kept_value: float[3, R], there.
+        nans: int32[R].
     """
 
     x: Array
@@ -81,16 +81,16 @@ def run(
     """Minimise fn in R runs; population * iterations evaluations each.
 
     Args:
-      fn: the function.
-      box: its bounds; positions are clipped to them.
-      seed: uint32[2, R].
-      params: leaves float or float[R].
-      static: choices of method.
-      population: wolves, 3 or more.
-      iterations: T.
+        fn: the function.
+        box: its bounds; positions are clipped to them.
+        seed: uint32[2, R].
+        params: leaves float or float[R].
+        static: choices of method.
+        population: wolves, 3 or more.
+        iterations: T.
 
     Returns:
-      What was found.
+        What was found.
     """
     dtype = box.low.dtype
     a = convergence(static.law, iterations, params, dtype)

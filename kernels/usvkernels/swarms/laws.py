@@ -18,10 +18,10 @@ class GwoParams:
     """Numbers of the law "beta", Yu et al. 2022, Eq. 14; each a number or float[R], one per run.
 
     Attributes:
-      mu1: position adjustment factor, scale of the Beta function.
-      mu2: position adjustment factor, its first argument, above 0.
-      lambda1: speed adjustment factor (iterations), above 0.
-      lambda2: speed adjustment factor, added to a.
+        mu1: position adjustment factor, scale of the Beta function.
+        mu2: position adjustment factor, its first argument, above 0.
+        lambda1: speed adjustment factor (iterations), above 0.
+        lambda2: speed adjustment factor, added to a.
     """
 
     mu1: float | Array = 0.01  # Table 2
@@ -36,17 +36,17 @@ def convergence(
     """The factor a(t) for t = 0 .. iterations - 1.
 
     Args:
-      law: "linear": 2 - 2 t / T (Yu et al. 2022, Eq. 2; Mirjalili et al. 2014).
-        "beta": mu1 B(mu2, (t + lambda1) / T) + lambda2 (Eq. 14 as printed). With the printed
-        factors it falls from 2.2 to 0.5 within five iterations and ends near 0.2, not 0.
-        "quadratic": 2 (1 - t**2 / T**2) (Mittal et al. 2016). "cosine": 1 + cos(pi t / T).
-        "exponential": 2 (e - exp(t / T)) / (e - 1).
-      iterations: T.
-      params: of "beta"; leaves float or float[R].
-      dtype: of the result.
+        law: "linear": 2 - 2 t / T (Yu et al. 2022, Eq. 2; Mirjalili et al. 2014).
+            "beta": mu1 B(mu2, (t + lambda1) / T) + lambda2 (Eq. 14 as printed). With the printed
+            factors it falls from 2.2 to 0.5 within five iterations and ends near 0.2, not 0.
+            "quadratic": 2 (1 - t**2 / T**2) (Mittal et al. 2016). "cosine": 1 + cos(pi t / T).
+            "exponential": 2 (e - exp(t / T)) / (e - 1).
+        iterations: T.
+        params: of "beta"; leaves float or float[R].
+        dtype: of the result.
 
     Returns:
-      float[T, 1], or float[T, R] where a leaf of `params` has an axis.
+        float[T, 1], or float[T, R] where a leaf of `params` has an axis.
     """
     step = jnp.arange(iterations, dtype=dtype)[:, None]
     share = step / iterations

@@ -24,8 +24,8 @@ class Box:
     """Bounds of the search.
 
     Attributes:
-      low: float[dim, 1].
-      high: float[dim, 1], above `low`.
+        low: float[dim, 1].
+        high: float[dim, 1], above `low`.
     """
 
     low: Array
@@ -38,10 +38,10 @@ class Found:
     """What R runs of T iterations found.
 
     Attributes:
-      best: float[R], least value evaluated; inf where none was a number.
-      x: float[dim, R], where.
-      history: float[T, R], least value up to the end of each iteration.
-      nans: int32[R], evaluations that gave NaN.
+        best: float[R], least value evaluated; inf where none was a number.
+        x: float[dim, R], where.
+        history: float[T, R], least value up to the end of each iteration.
+        nans: int32[R], evaluations that gave NaN.
     """
 
     best: Array
@@ -56,9 +56,9 @@ class Record:
     """The best so far.
 
     Attributes:
-      best: float[R].
-      x: float[dim, R].
-      nans: int32[R].
+        best: float[R].
+        x: float[dim, R].
+        nans: int32[R].
     """
 
     best: Array
@@ -127,10 +127,10 @@ def numbers(
     """Four words uint32[*shape, R] each, for runs of seeds uint32[2, R].
 
     Args:
-      seed: of `draws.seeds`.
-      time: iteration; 0 is the start.
-      shape: of what is drawn, such as (members, dim).
-      stream: draws of one shape at one time differ in their stream.
+        seed: of `draws.seeds`.
+        time: iteration; 0 is the start.
+        shape: of what is drawn, such as (members, dim).
+        stream: draws of one shape at one time differ in their stream.
     """
     size = 1
     for axis in shape:

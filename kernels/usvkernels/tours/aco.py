@@ -30,11 +30,11 @@ class AcoParams:
     """Each a number or float[R], one per run; defaults of section 5.1.
 
     Attributes:
-      pheromone: alpha, exponent of the pheromone ("information priming factor").
-      visibility: beta, exponent of 1 / distance ("expected heuristic factor").
-      evaporation: rho, share of the pheromone lost in an iteration ("volatilization factor").
-      intensity: Q, pheromone that an ant leaves, times the length of its tour; that length is
-        counted in mean distances, so that the result does not depend on the unit.
+        pheromone: alpha, exponent of the pheromone ("information priming factor").
+        visibility: beta, exponent of 1 / distance ("expected heuristic factor").
+        evaporation: rho, share of the pheromone lost in an iteration ("volatilization factor").
+        intensity: Q, pheromone that an ant leaves, times the length of its tour; that length is
+            counted in mean distances, so that the result does not depend on the unit.
     """
 
     pheromone: float | Array = 1.0
@@ -55,15 +55,15 @@ def run(
     """Search; population * iterations tours in each run.
 
     Args:
-      distances: float[d, d] or float[d, d, R], finite.
-      seed: uint32[2, R].
-      params: leaves numbers or float[R].
-      iterations: T.
-      population: ants m.
-      symmetric: whether a leg's pheromone is the same in both directions.
+        distances: float[d, d] or float[d, d, R], finite.
+        seed: uint32[2, R].
+        params: leaves numbers or float[R].
+        iterations: T.
+        population: ants m.
+        symmetric: whether a leg's pheromone is the same in both directions.
 
     Returns:
-      int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
+        int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
     """
     count, runs = distances.shape[0], seed.shape[1]
     go = jnp.sum(distances) >= 0  # always, but a compiler does not know

@@ -28,8 +28,8 @@ class GaParams:
     """Probabilities, each a number or float[R], one per run.
 
     Attributes:
-      crossing: that a child has two parents, not one.
-      mutation: that a stretch of it turns round.
+        crossing: that a child has two parents, not one.
+        mutation: that a stretch of it turns round.
     """
 
     crossing: float | Array = 0.8  # section 5.1
@@ -42,14 +42,14 @@ def run(
     """Search; population * iterations tours in each run, the first generation included.
 
     Args:
-      distances: float[d, d] or float[d, d, R], finite.
-      seed: uint32[2, R].
-      params: leaves numbers or float[R].
-      iterations: generations, T.
-      population: individuals n, 2 or more.
+        distances: float[d, d] or float[d, d, R], finite.
+        seed: uint32[2, R].
+        params: leaves numbers or float[R].
+        iterations: generations, T.
+        population: individuals n, 2 or more.
 
     Returns:
-      int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
+        int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
     """
     go = jnp.sum(distances) >= 0  # always, but a compiler does not know
     count = distances.shape[0]

@@ -45,10 +45,10 @@ def weigh(near: Array, turning: Array | None, count: int, kinds: str) -> Array:
     """Words of the best moves behind each position; int32[d, R], below 2**bits where none gains.
 
     Args:
-      near: of `near_legs`.
-      turning: of `turning_costs`; None if symmetric.
-      count: d.
-      kinds: one of `NEIGHBOURHOODS`.
+        near: of `near_legs`.
+        turning: of `turning_costs`; None if symmetric.
+        count: d.
+        kinds: one of `NEIGHBOURHOODS`.
     """
     words = jnp.zeros((count, near.shape[2]), jnp.int32)
     # Written out: slices that move with a loop's counter do not vectorise, nor do tables of them.

@@ -17,10 +17,10 @@ def held_karp(distances: Array) -> Array:
     """Shortest closed tours.
 
     Args:
-      distances: float[d, d, R], finite, d from 2 to `MOST_STATIONS`.
+        distances: float[d, d, R], finite, d from 2 to `MOST_STATIONS`.
 
     Returns:
-      int32[d, R], the stations in order, 0 first. Of equally short tours one.
+        int32[d, R], the stations in order, 0 first. Of equally short tours one.
     """
     count, runs = distances.shape[0] - 1, distances.shape[2]
     legs = distances[1:, 1:]  # between the stations other than 0

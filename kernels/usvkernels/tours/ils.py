@@ -30,8 +30,8 @@ class IlsParams:
     """Numbers of the search; each a number or int32[R], one per run.
 
     Attributes:
-      patience: kicks in a row that find nothing better before a run begins anew; 0 is multi-start
-        without kicks, -1 takes 0 up to 24 stations and twice their number beyond.
+        patience: kicks in a row that find nothing better before a run begins anew; 0 is multi-start
+            without kicks, -1 takes 0 up to 24 stations and twice their number beyond.
     """
 
     patience: int | Array = -1
@@ -54,14 +54,14 @@ def run(
     """Search; each run on its own.
 
     Args:
-      distances: float[d, d] or float[d, d, R], finite.
-      seed: uint32[2, R].
-      params: leaves numbers or int32[R].
-      iterations: moves and kicks together, T.
-      symmetric: whether distances are the same in both directions.
+        distances: float[d, d] or float[d, d, R], finite.
+        seed: uint32[2, R].
+        params: leaves numbers or int32[R].
+        iterations: moves and kicks together, T.
+        symmetric: whether distances are the same in both directions.
 
     Returns:
-      int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
+        int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
     """
     count = distances.shape[0]
     patience = jnp.asarray(params.patience)

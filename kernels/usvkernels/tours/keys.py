@@ -28,15 +28,15 @@ def run_gwo(
     """Search by grey wolves (`swarms.gwo`).
 
     Args:
-      distances: float[d, d] or float[d, d, R], finite.
-      seed: uint32[2, R].
-      params: of the law "beta"; leaves numbers or float[R].
-      static: choices of method.
-      iterations: T.
-      population: wolves, 3 or more.
+        distances: float[d, d] or float[d, d, R], finite.
+        seed: uint32[2, R].
+        params: of the law "beta"; leaves numbers or float[R].
+        static: choices of method.
+        iterations: T.
+        population: wolves, 3 or more.
 
     Returns:
-      int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
+        int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
     """
     sizes = {"population": population, "iterations": iterations}
     return _tours(gwo.run(_objective(distances), _box(distances), seed, params, static, **sizes))

@@ -14,12 +14,12 @@ def leg(distances: Array, start: Array, end: Array) -> Array:
     """Distances between stations.
 
     Args:
-      distances: float[d, d] or float[d, d, R].
-      start: int32[..., R], stations 0 .. d - 1.
-      end: int32[..., R].
+        distances: float[d, d] or float[d, d, R].
+        start: int32[..., R], stations 0 .. d - 1.
+        end: int32[..., R].
 
     Returns:
-      float[..., R], of the shape that start and end broadcast to.
+        float[..., R], of the shape that start and end broadcast to.
     """
     count = distances.shape[0]
     place = start * count + end
@@ -33,11 +33,11 @@ def length(distances: Array, order: Array) -> Array:
     """Lengths of closed tours.
 
     Args:
-      distances: float[d, d] or float[d, d, R].
-      order: int32[d, R] or int32[d, n, R], stations in the order of the visits.
+        distances: float[d, d] or float[d, d, R].
+        order: int32[d, R] or int32[d, n, R], stations in the order of the visits.
 
     Returns:
-      float[R] or float[n, R]. Source: Yu et al. 2022, Eq. 8.
+        float[R] or float[n, R]. Source: Yu et al. 2022, Eq. 8.
     """
     return jnp.sum(leg(distances, order, jnp.roll(order, -1, axis=0)), axis=0)
 
@@ -63,10 +63,10 @@ def order_of(keys: Array) -> Array:
     By counting, which for the tens of stations of a tour is far cheaper than a sort.
 
     Args:
-      keys: float[d, ...], none of them NaN.
+        keys: float[d, ...], none of them NaN.
 
     Returns:
-      int32[d, ...].
+        int32[d, ...].
     """
     rank = rank_of(keys)
     place = jnp.arange(keys.shape[0], dtype=jnp.int32)

@@ -10,13 +10,13 @@ def two_opt(distances: Array, order: Array, *, symmetric: bool, most: int) -> tu
     """Turn stretches of tours round until none makes them shorter. Source: Croes 1958.
 
     Args:
-      distances: float[d, d] or float[d, d, R], finite.
-      order: int32[d, R].
-      symmetric: whether distances are the same in both directions.
-      most: moves at most.
+        distances: float[d, d] or float[d, d, R], finite.
+        order: int32[d, R].
+        symmetric: whether distances are the same in both directions.
+        most: moves at most.
 
     Returns:
-      int32[d, R]; int32[R], moves made: less than `most` at a local optimum.
+        int32[d, R]; int32[R], moves made: less than `most` at a local optimum.
     """
     return descend(distances, order, symmetric=symmetric, most=most, kinds="two_opt")
 

@@ -52,14 +52,14 @@ def best_move(
     """The move that shortens each tour most.
 
     Args:
-      distances: float[d, d] or float[d, d, R], finite.
-      order: int32[d, R].
-      symmetric: whether distances are the same in both directions.
-      kinds: one of `gains.NEIGHBOURHOODS`.
+        distances: float[d, d] or float[d, d, R], finite.
+        order: int32[d, R].
+        symmetric: whether distances are the same in both directions.
+        kinds: one of `gains.NEIGHBOURHOODS`.
 
     Returns:
-      The tours' lengths float[R]; whether any move shortens them, by more than rounding, bool[R];
-      the move: of gains that agree in their first 23 - `name_bits(d)` binary digits, any one.
+        The tours' lengths float[R]; whether any move shortens them, by more than rounding, bool[R];
+        the move: of gains that agree in their first 23 - `name_bits(d)` binary digits, any one.
     """
     count = order.shape[0]
     go = order[0, 0] >= 0

@@ -40,15 +40,15 @@ def run(
     """Search; population * (iterations + 1) tours in each run.
 
     Args:
-      distances: float[d, d] or float[d, d, R], finite.
-      seed: uint32[2, R].
-      params: of the law "beta"; leaves numbers or float[R].
-      static: choices of method; `greedy`, a wolf goes to a tour that is no longer than its own.
-      iterations: T.
-      population: wolves n, 3 or more.
+        distances: float[d, d] or float[d, d, R], finite.
+        seed: uint32[2, R].
+        params: of the law "beta"; leaves numbers or float[R].
+        static: choices of method; `greedy`, a wolf goes to a tour that is no longer than its own.
+        iterations: T.
+        population: wolves n, 3 or more.
 
     Returns:
-      int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
+        int32[d, R], the shortest closed tours; float[T, R], their lengths so far.
     """
     count = distances.shape[0]
     go = jnp.sum(distances) >= 0  # always, but a compiler does not know

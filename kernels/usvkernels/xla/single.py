@@ -32,8 +32,8 @@ def single(fn: Callable[..., Out], *args: Any) -> Out:
     argument that nothing comes of would end it too, and is left out.
 
     Args:
-      fn: pure; arrays that it closes over are constants.
-      args: its arguments.
+        fn: pure; arrays that it closes over are constants.
+        args: its arguments.
     """
     traced, shape = jax.make_jaxpr(fn, return_shape=True)(*args)
     jaxpr, used = dce_jaxpr(traced.jaxpr, [True] * len(traced.out_avals))

@@ -25,10 +25,10 @@ def stage(go: Array, fn: Callable[..., Out], *args: Any) -> Out:
     or less, takes 10.1 us instead of 11.7 for 16 lanes.
 
     Args:
-      go: bool[], True, and an operand of the compiled function, so that the compiler does not
-        know. With False, the results are zeros.
-      fn: pure; what it closes over counts as an argument.
-      args: its arguments.
+        go: bool[], True, and an operand of the compiled function, so that the compiler does not
+            know. With False, the results are zeros.
+        fn: pure; what it closes over counts as an argument.
+        args: its arguments.
     """
 
     def guarded(*args: Any) -> Out:

@@ -49,24 +49,24 @@ def plot_cruise(
     """Draw a cruise on a chart, north up.
 
     Args:
-        grid_map: The map; `blocked` cells are land.
+        grid_map: the map; `blocked` cells are land.
         stations: float[d, 2], (x, y) in m; station 0 is home.
         order: int[d], stations in the order of the cruise, home first; they are numbered so.
         track: float[P, 2 or more], m, what the vessel sailed; rows with NaN are padding.
         visited: bool[d], by station; those that were not are marked. By default all were.
         tour: int[d], an order to compare with, drawn as a closed tour in straight lines.
-        track_label: What the legend says of the track; by default its length.
-        tour_label: Likewise of the tour.
+        track_label: what the legend says of the track; by default its length.
+        tour_label: likewise of the tour.
         view: (west, east, south, north), m; by default the part around the cruise.
-        title: Title of the axes.
+        title: title of the axes.
 
     Returns:
         The figure, 170 mm wide. Data coordinates are metres; the axes are labelled in
         kilometres from 5 km up.
 
     Raises:
-        BadTypeError: A map that is no `GridMap`.
-        BadInputError: Arrays of shapes that do not agree, stations that are not finite, an order
+        BadTypeError: a map that is no `GridMap`.
+        BadInputError: arrays of shapes that do not agree, stations that are not finite, an order
             that is not one or does not begin with home, or a tour that is not one.
     """
     if not isinstance(grid_map, GridMap):

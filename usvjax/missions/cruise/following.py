@@ -21,14 +21,14 @@ class Followers:
     """Plans, and the vessels that are to follow them; first axis n.
 
     Attributes:
-      path: int32[n, P, 2], cells (x, y); where there is none, that of the vessel throughout.
-      length: int32[n], cells of the path, 0 where there is none.
-      proven: bool[n], where there is none, whether that is certain.
-      left: int32[n], steps that the leg may still take.
-      truth, known: bool[n, H, W], the maps.
-      step: int32[n], of the cruise.
-      waited: int32[n], steps in a row.
-      drawn: bool[n], whether the flips of this step are.
+        path: int32[n, P, 2], cells (x, y); where there is none, that of the vessel throughout.
+        length: int32[n], cells of the path, 0 where there is none.
+        proven: bool[n], where there is none, whether that is certain.
+        left: int32[n], steps that the leg may still take.
+        truth, known: bool[n, H, W], the maps.
+        step: int32[n], of the cruise.
+        waited: int32[n], steps in a row.
+        drawn: bool[n], whether the flips of this step are.
     """
 
     path: np.ndarray
@@ -47,12 +47,12 @@ class Halted:
     """The vessels when all have halted; first axis n.
 
     Attributes:
-      truth, known: bool[n, H, W].
-      waited, drawn: as in `Followers`.
-      halt: int32[n], `following.Halt`.
-      at: int32[n], place in the path.
-      made: int32[n], steps.
-      moves: uint8[n, K], their codes.
+        truth, known: bool[n, H, W].
+        waited, drawn: as in `Followers`.
+        halt: int32[n], `following.Halt`.
+        at: int32[n], place in the path.
+        made: int32[n], steps.
+        moves: uint8[n, K], their codes.
     """
 
     truth: np.ndarray
@@ -71,10 +71,10 @@ def follow_paths(
     """Sail some of the cruises along their paths until each halts.
 
     Args:
-      expedition: all cruises.
-      rows: int[n], which of them.
-      seeds: uint32[B, 2], of the flips of all.
-      followers: of the n.
+        expedition: all cruises.
+        rows: int[n], which of them.
+        seeds: uint32[B, 2], of the flips of all.
+        followers: of the n.
     """
     height, width = expedition.shape
     room = bucket(max(followers.path.shape[1], LEAST_STEPS))

@@ -35,19 +35,19 @@ class Expedition:
     """The cruises, checked.
 
     Attributes:
-      blocked: bool[1, H, W] shared by all cruises, or bool[B, H, W].
-      stations: int32[B, d, 2], cells (x, y).
-      rate: int32[B], probability of a flip times 2^BITS.
-      scope: where cells flip.
-      window: (h, w) of the vessel's view.
-      corner_cutting: of moves and chords.
-      max_wait: steps in a row that a vessel waits for a way to its stop.
-      gives_up: whether a stop without a way ends the cruise.
-      max_steps: of a leg.
-      own_steps: whether max_steps was given; the default gives way to what a method can count.
-      max_expansions: of D* Lite in one step.
-      cell_size: m.
-      speed: float64[B], m/s.
+        blocked: bool[1, H, W] shared by all cruises, or bool[B, H, W].
+        stations: int32[B, d, 2], cells (x, y).
+        rate: int32[B], probability of a flip times 2^BITS.
+        scope: where cells flip.
+        window: (h, w) of the vessel's view.
+        corner_cutting: of moves and chords.
+        max_wait: steps in a row that a vessel waits for a way to its stop.
+        gives_up: whether a stop without a way ends the cruise.
+        max_steps: of a leg.
+        own_steps: whether max_steps was given; the default gives way to what a method can count.
+        max_expansions: of D* Lite in one step.
+        cell_size: m.
+        speed: float64[B], m/s.
     """
 
     blocked: np.ndarray
@@ -105,9 +105,9 @@ def check_expedition(
     """Check the arguments that every method has; see `cruise`.
 
     Raises:
-      BadTypeError: an argument of the wrong type or dtype.
-      BadInputError: a wrong shape or size, or an impossible value; the message names the argument
-        and the first bad row.
+        BadTypeError: an argument of the wrong type or dtype.
+        BadInputError: a wrong shape or size, or an impossible value; the message names the argument
+            and the first bad row.
     """
     static = check_static(static)
     grids = search_maps(blocked)
@@ -143,10 +143,10 @@ def check_heuristic(expedition: Expedition, heuristic: Any, weight: Any) -> Expe
     """Refuse a heuristic that does not exist, or for which keys would not fit their integers.
 
     Returns:
-      The cruises, with as many steps of a leg as the keys allow where the default is more.
+        The cruises, with as many steps of a leg as the keys allow where the default is more.
 
     Raises:
-      BadTypeError, BadInputError: as `dstar_lite`.
+        BadTypeError, BadInputError: as `dstar_lite`.
     """
     check_method(heuristic, weight, expedition.corner_cutting, None)
     height, width = expedition.shape
@@ -177,8 +177,8 @@ def check_order(order: Any, expedition: Expedition) -> np.ndarray:
     """A given order of the stations, int32[B, d].
 
     Raises:
-      BadTypeError: not whole numbers.
-      BadInputError: another shape, or no permutation that begins with 0.
+        BadTypeError: not whole numbers.
+        BadInputError: another shape, or no permutation that begins with 0.
     """
     try:
         rows = np.asarray(order)

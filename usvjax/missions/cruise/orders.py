@@ -16,12 +16,12 @@ def tour_order(
     """The order of `solve_tour`, int32[B, d], home first.
 
     Args:
-      expedition: the cruises.
-      key: of the tours' random numbers.
-      tour: algorithm of `solve_tour`.
-      distances: "straight" between the cells' centres, or "water" along shortest paths on the
-        first map.
-      first: number of the first cruise.
+        expedition: the cruises.
+        key: of the tours' random numbers.
+        tour: algorithm of `solve_tour`.
+        distances: "straight" between the cells' centres, or "water" along shortest paths on the
+            first map.
+        first: number of the first cruise.
     """
     if distances == "straight":
         points, legs = expedition.stations.astype(np.float32), None

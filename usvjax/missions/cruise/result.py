@@ -18,36 +18,36 @@ class CruiseResult:
     way to another, does not.
 
     Attributes:
-      status: int32[B], `Status`: REACHED (all stations visited, and home again), PARTIAL (home
-        again, but stations given up), UNREACHABLE (the way home given up, or with
-        walled_in="fail" that to a station: on the map as known, there was none), TIMED_OUT
-        (`max_steps`), OUT_OF_BUDGET (given up likewise, but "aco", "ga" or "cmpso" only found no
-        way: there may have been one; of "dstar_lite", `max_expansions`).
-      order: int32[B, d], stations in the order of the cruise, home (0) first.
-      visited: bool[B, d], by station; home always.
-      visit_step: int32[B, d], step after which the vessel was at each station, -1 where it was
-        not; of home 0.
-      leg_status: int32[B, d], `Status` of the legs, the last of which leads home: REACHED,
-        UNREACHABLE (its stop was given up: there was no way), OUT_OF_BUDGET (none was found, as
-        above), TIMED_OUT; RUNNING where it did not begin.
-      leg_step: int32[B, d], step at which each ended.
-      track: int32[B, T + 1, 2], cells (x, y) after each step, home first; the last is repeated.
-      steps: int32[B], moves and waits.
-      waits: int32[B], steps without a move.
-      length: float64[B], m, along the track.
-      time: float64[B], s: length / speed, and cell_size / speed for each wait.
-      inflections: int32[B], points of the track at which the course changes.
-      smoothed: int32[B, Q, 2], way points (x, y) of the track pulled straight; the last is
-        repeated. Home and visited stations are among them.
-      smoothed_step: int32[B, Q], step at which the vessel is there.
-      smoothed_count: int32[B], way points.
-      smooth_length: float64[B], m.
-      smooth_time: float64[B], s, as `time`.
-      smooth_inflections: int32[B].
-      expanded: int64[B], cells that all searches expanded; by sweeps and swarms, 0.
-      replanned: int32[B], steps at which a way was planned or repaired, first plans included.
-      seeds: uint32[B, 2], of the flips (`usvkernels.draws.words`).
-      occupancy: share of lane-iterations that advanced a cruise, in (0, 1].
+        status: int32[B], `Status`: REACHED (all stations visited, and home again), PARTIAL (home
+            again, but stations given up), UNREACHABLE (the way home given up, or with
+            walled_in="fail" that to a station: on the map as known, there was none), TIMED_OUT
+            (`max_steps`), OUT_OF_BUDGET (given up likewise, but "aco", "ga" or "cmpso" only found
+            no way: there may have been one; of "dstar_lite", `max_expansions`).
+        order: int32[B, d], stations in the order of the cruise, home (0) first.
+        visited: bool[B, d], by station; home always.
+        visit_step: int32[B, d], step after which the vessel was at each station, -1 where it was
+            not; of home 0.
+        leg_status: int32[B, d], `Status` of the legs, the last of which leads home: REACHED,
+            UNREACHABLE (its stop was given up: there was no way), OUT_OF_BUDGET (none was found, as
+            above), TIMED_OUT; RUNNING where it did not begin.
+        leg_step: int32[B, d], step at which each ended.
+        track: int32[B, T + 1, 2], cells (x, y) after each step, home first; the last is repeated.
+        steps: int32[B], moves and waits.
+        waits: int32[B], steps without a move.
+        length: float64[B], m, along the track.
+        time: float64[B], s: length / speed, and cell_size / speed for each wait.
+        inflections: int32[B], points of the track at which the course changes.
+        smoothed: int32[B, Q, 2], way points (x, y) of the track pulled straight; the last is
+            repeated. Home and visited stations are among them.
+        smoothed_step: int32[B, Q], step at which the vessel is there.
+        smoothed_count: int32[B], way points.
+        smooth_length: float64[B], m.
+        smooth_time: float64[B], s, as `time`.
+        smooth_inflections: int32[B].
+        expanded: int64[B], cells that all searches expanded; by sweeps and swarms, 0.
+        replanned: int32[B], steps at which a way was planned or repaired, first plans included.
+        seeds: uint32[B, 2], of the flips (`usvkernels.draws.words`).
+        occupancy: share of lane-iterations that advanced a cruise, in (0, 1].
     """
 
     status: np.ndarray
@@ -80,11 +80,11 @@ def result_of(
     """Measure the cruises.
 
     Args:
-      expedition: the cruises.
-      order: int32[B, d].
-      seeds: uint32[B, 2].
-      voyages: how they went.
-      way: their way points.
+        expedition: the cruises.
+        order: int32[B, d].
+        seeds: uint32[B, 2].
+        voyages: how they went.
+        way: their way points.
     """
     visited, visit_step = _visits(order, voyages)
     waiting = voyages.waits * expedition.cell_size

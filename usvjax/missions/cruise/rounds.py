@@ -38,10 +38,10 @@ class LegPlanner:
     """What finds a path from where a vessel is to its stop, on the map as it is known.
 
     Attributes:
-      method: of PLANNERS.
-      options: keyword arguments of `plan_paths`.
-      key: of its random numbers; of cruise j, plan k the parts (first + j, k).
-      first: number of the first cruise.
+        method: of PLANNERS.
+        options: keyword arguments of `plan_paths`.
+        key: of its random numbers; of cruise j, plan k the parts (first + j, k).
+        first: number of the first cruise.
     """
 
     method: str
@@ -66,7 +66,7 @@ class LegPlanner:
         """Plan on bool[n, H, W] from int32[n, 2] to int32[n, 2], with keys[n].
 
         Returns:
-          A result that has status, path, path_cells and, where cells are expanded, expanded.
+            A result that has status, path, path_cells and, where cells are expanded, expanded.
         """
         if self.method == "astar":
             return astar(blocked, starts, goals, corner_cutting=corner_cutting)
@@ -78,8 +78,8 @@ class LegPlanner:
         """A key for each row's next plan, whatever the other rows are.
 
         Args:
-          rows: int[n], cruises.
-          planned: int32[B], plans of each so far.
+            rows: int[n], cruises.
+            planned: int32[B], plans of each so far.
         """
         size = 1 << (len(rows) - 1).bit_length()  # few sizes to compile
         filled = np.resize(rows, size)
@@ -116,10 +116,10 @@ def sail_in_rounds(
     """Sail all cruises, in blocks whose maps fit in memory.
 
     Args:
-      expedition: the cruises.
-      order: int32[B, d], of their stations.
-      seeds: uint32[B, 2], of their flips.
-      planner: what plans their paths.
+        expedition: the cruises.
+        order: int32[B, d], of their stations.
+        seeds: uint32[B, 2], of their flips.
+        planner: what plans their paths.
     """
     height, width = expedition.shape
     most = max(1, MOST_CELLS // (height * width))

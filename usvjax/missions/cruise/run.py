@@ -69,37 +69,37 @@ def cruise(
     `jax.default_device`; a cruise does not depend on the others.
 
     Args:
-      blocked: bool[H, W] shared by all (True = not navigable), bool[B, H, W], or a `GridMap`.
-      stations: int[B, d, 2], cells (x, y), or int[d, 2], shared; station 0 is home.
-      key: a seed or a JAX key. Cruise j takes the j-th part of it, the same whatever the method.
-      method: "dstar_lite" repairs its way with every change seen. "astar" plans anew, along a
-        shortest path, when what has been seen blocks the way ahead; "aco", "ga" and "cmpso" do
-        the same with `plan_paths` (Algorithms 1 to 3 of the paper), which may miss a way that
-        there is: they are asked again at every step that the vessel waits.
-      heuristic, weight: of "dstar_lite", as there; with another method their names are checked
-        and nothing else. "weighted" is the paper's improved D* Lite, "chebyshev" (the chess-board
-        distance) or "octile" the traditional. The weighted tracks are longer: 2,056 m against
-        1,903 m with "octile" in benchmark cruise_rate.
-      planner_options: keyword arguments for `plan_paths`: iterations, population or params.
-      order: int[B, d] or int[d], stations in the order of the cruise, 0 first; by default that
-        of `solve_tour`.
-      tour: algorithm of `solve_tour`, where no order is given.
-      params: numbers, by default `CruiseParams()`: how often cells flip, how long a vessel waits,
-        how fast it is.
-      static: choices, by default `CruiseStatic()`: where cells flip, what a vessel sees, what it
-        does while it is cut off, how much it may take.
-      runs: B, where map and stations are shared.
-      first: number of the first cruise, so that the parts of a longer list can be sailed one by
-        one; cruise j of this call takes the (first + j)-th part of the key.
-      cell_size: m, by default 10 (the paper's); a `GridMap` has its own.
-      max_lanes: of "dstar_lite", most cruises under way at once on a device; for measurements.
+        blocked: bool[H, W] shared by all (True = not navigable), bool[B, H, W], or a `GridMap`.
+        stations: int[B, d, 2], cells (x, y), or int[d, 2], shared; station 0 is home.
+        key: a seed or a JAX key. Cruise j takes the j-th part of it, the same whatever the method.
+        method: "dstar_lite" repairs its way with every change seen. "astar" plans anew, along a
+            shortest path, when what has been seen blocks the way ahead; "aco", "ga" and "cmpso" do
+            the same with `plan_paths` (Algorithms 1 to 3 of the paper), which may miss a way that
+            there is: they are asked again at every step that the vessel waits.
+        heuristic, weight: of "dstar_lite", as there; with another method their names are checked
+            and nothing else. "weighted" is the paper's improved D* Lite, "chebyshev" (the
+            chess-board distance) or "octile" the traditional. The weighted tracks are longer: 2,056
+            m against 1,903 m with "octile" in benchmark cruise_rate.
+        planner_options: keyword arguments for `plan_paths`: iterations, population or params.
+        order: int[B, d] or int[d], stations in the order of the cruise, 0 first; by default that
+            of `solve_tour`.
+        tour: algorithm of `solve_tour`, where no order is given.
+        params: numbers, by default `CruiseParams()`: how often cells flip, how long a vessel waits,
+            how fast it is.
+        static: choices, by default `CruiseStatic()`: where cells flip, what a vessel sees, what it
+            does while it is cut off, how much it may take.
+        runs: B, where map and stations are shared.
+        first: number of the first cruise, so that the parts of a longer list can be sailed one by
+            one; cruise j of this call takes the (first + j)-th part of the key.
+        cell_size: m, by default 10 (the paper's); a `GridMap` has its own.
+        max_lanes: of "dstar_lite", most cruises under way at once on a device; for measurements.
 
     Raises:
-      BadTypeError: an argument of the wrong type or dtype.
-      BadInputError: a wrong shape, fewer than two stations, one that lies outside the map, on a
-        blocked cell or on another, an order that is no permutation, an impossible option, a map
-        too large for the heuristic, more cruises than memory holds; the message names the
-        argument and the first bad row.
+        BadTypeError: an argument of the wrong type or dtype.
+        BadInputError: a wrong shape, fewer than two stations, one that lies outside the map, on a
+            blocked cell or on another, an order that is no permutation, an impossible option, a map
+            too large for the heuristic, more cruises than memory holds; the message names the
+            argument and the first bad row.
     """
     one_of("method", method, METHODS)
     one_of("tour", tour, TOURS)

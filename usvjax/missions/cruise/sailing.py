@@ -28,10 +28,10 @@ class Replanning:
     """How the vessels replan.
 
     Attributes:
-      heuristic: of `replan_heuristics.HEURISTICS`.
-      weight: of "weighted_octile".
-      max_expansions: in one step.
-      max_lanes: cruises under way at once on a device.
+        heuristic: of `replan_heuristics.HEURISTICS`.
+        weight: of "weighted_octile".
+        max_expansions: in one step.
+        max_lanes: cruises under way at once on a device.
     """
 
     heuristic: str
@@ -75,10 +75,10 @@ def sail(
     """Sail all cruises.
 
     Args:
-      expedition: the cruises.
-      order: int32[B, d], of their stations.
-      seeds: uint32[B, 2], of their flips.
-      replanning: how the vessels replan.
+        expedition: the cruises.
+        order: int32[B, d], of their stations.
+        seeds: uint32[B, 2], of their flips.
+        replanning: how the vessels replan.
     """
     task = _Task(expedition, order, seeds, replanning)
     devices = chosen_devices()

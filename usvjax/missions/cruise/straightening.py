@@ -22,9 +22,9 @@ class WayPoints:
     """Tracks through some of their points.
 
     Attributes:
-      cells: int32[B, Q, 2], cells (x, y); the last is repeated.
-      step: int32[B, Q], when the vessel is there; the last is repeated.
-      count: int32[B].
+        cells: int32[B, Q, 2], cells (x, y); the last is repeated.
+        step: int32[B, Q], when the vessel is there; the last is repeated.
+        count: int32[B].
     """
 
     cells: np.ndarray
@@ -36,9 +36,9 @@ def pulled_straight(expedition: Expedition, voyages: Voyages, seeds: np.ndarray)
     """Pull tracks straight; see `usvkernels.cruise.straighten`.
 
     Args:
-      expedition: the cruises.
-      voyages: how they went.
-      seeds: uint32[B, 2], of their flips.
+        expedition: the cruises.
+        voyages: how they went.
+        seeds: uint32[B, 2], of their flips.
     """
     room = bucket(max(voyages.track.shape[1], LEAST_STEPS), 4)
     stop = _stops(voyages)

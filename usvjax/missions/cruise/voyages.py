@@ -12,16 +12,16 @@ class Voyages:
     """How B cruises of d legs went.
 
     Attributes:
-      track: int32[B, T + 1, 2], cells (x, y) after each step, home first; the last is repeated.
-      steps: int32[B], moves and waits.
-      waits: int32[B], steps without a move.
-      leg_status: int32[B, d], `Status`: REACHED; UNREACHABLE where the stop was given up for there
-        was no way, OUT_OF_BUDGET where none was found within a budget; TIMED_OUT; RUNNING where
-        the leg did not begin.
-      leg_step: int32[B, d], step of the cruise at which it ended.
-      expanded: int64[B], cells.
-      plans: int32[B], steps at which the way was planned or changed.
-      occupancy: share of lane-iterations that advanced a cruise.
+        track: int32[B, T + 1, 2], cells (x, y) after each step, home first; the last is repeated.
+        steps: int32[B], moves and waits.
+        waits: int32[B], steps without a move.
+        leg_status: int32[B, d], `Status`: REACHED; UNREACHABLE where the stop was given up for
+            there was no way, OUT_OF_BUDGET where none was found within a budget; TIMED_OUT; RUNNING
+            where the leg did not begin.
+        leg_step: int32[B, d], step of the cruise at which it ended.
+        expanded: int64[B], cells.
+        plans: int32[B], steps at which the way was planned or changed.
+        occupancy: share of lane-iterations that advanced a cruise.
     """
 
     track: np.ndarray
@@ -49,10 +49,10 @@ def voyages_of(home: np.ndarray, moves: np.ndarray, legs: np.ndarray, occupancy:
     """Put together what the kernels log.
 
     Args:
-      home: int32[B, 2], cells (x, y).
-      moves: uint8[B, T], codes of the moves.
-      legs: int32[B, d, 4]: status, step at the end, cells expanded, plans.
-      occupancy: of the lanes.
+        home: int32[B, 2], cells (x, y).
+        moves: uint8[B, T], codes of the moves.
+        legs: int32[B, d, 4]: status, step at the end, cells expanded, plans.
+        occupancy: of the lanes.
     """
     steps = legs[:, :, 1].max(axis=1).astype(np.int32)
     moves = moves[:, : max(int(steps.max()), 1)]

@@ -19,15 +19,15 @@ class DwaCandidates:
     """One decision opened up; numpy arrays.
 
     Attributes:
-      v: float32[n_v], candidate speeds (m/s).
-      w: float32[n_w], candidate yaw rates (rad/s).
-      end: float32[n_v, n_w, 2], predicted positions (m).
-      paths: float32[n_v, n_w, horizon + 1, 2], predicted trajectories (m).
-      clearance: float32[n_v, n_w], dist (m), capped.
-      admissible: bool[n_v, n_w].
-      score: float32[n_v, n_w], -inf where not admissible.
-      chosen: (i, j) of the executed candidate; None where none is admissible.
-      command: (v, w) executed (m/s, rad/s).
+        v: float32[n_v], candidate speeds (m/s).
+        w: float32[n_w], candidate yaw rates (rad/s).
+        end: float32[n_v, n_w, 2], predicted positions (m).
+        paths: float32[n_v, n_w, horizon + 1, 2], predicted trajectories (m).
+        clearance: float32[n_v, n_w], dist (m), capped.
+        admissible: bool[n_v, n_w].
+        score: float32[n_v, n_w], -inf where not admissible.
+        chosen: (i, j) of the executed candidate; None where none is admissible.
+        command: (v, w) executed (m/s, rad/s).
     """
 
     v: np.ndarray
@@ -52,14 +52,14 @@ def dwa_candidates(
     """Open up one decision: what each command of the window leads to and how it scores.
 
     Args:
-      obstacles: float[K, 2], centres (m).
-      state: float[5], x (m), y (m), psi (rad), v (m/s), w (rad/s).
-      goal: float[2] (m). Coordinates stay below 200 km, as of `navigate_dwa`.
-      params: defaults to Tan's Table 1; scalars.
-      static: choices of method.
+        obstacles: float[K, 2], centres (m).
+        state: float[5], x (m), y (m), psi (rad), v (m/s), w (rad/s).
+        goal: float[2] (m). Coordinates stay below 200 km, as of `navigate_dwa`.
+        params: defaults to Tan's Table 1; scalars.
+        static: choices of method.
 
     Raises:
-      BadTypeError, BadInputError: as `navigate_dwa`.
+        BadTypeError, BadInputError: as `navigate_dwa`.
     """
     params = DwaParams() if params is None else params
     static = DwaStatic() if static is None else static

@@ -71,13 +71,13 @@ class Episode:
         trajectory: float[T, 5], states (x, y, psi, v, w); NaN rows are padding.
         goal: float[2], m.
         obstacles: float[K, 2], centres in m; rows with NaN are padding.
-        radius: Radius of the expanded obstacles, m.
-        dt: Control period, s.
-        goal_tolerance: Radius of the goal's circle, m, or None.
-        status: How it ended, a code of `usvkernels.status.Status`, or None.
-        steps: Control periods until the end; None takes all rows up to the padding.
-        grid_map: Land and water to draw below, or None.
-        title: Title of the figure.
+        radius: radius of the expanded obstacles, m.
+        dt: control period, s.
+        goal_tolerance: radius of the goal's circle, m, or None.
+        status: how it ended, a code of `usvkernels.status.Status`, or None.
+        steps: control periods until the end; None takes all rows up to the padding.
+        grid_map: land and water to draw below, or None.
+        title: title of the figure.
     """
 
     trajectory: ArrayLike
@@ -96,11 +96,11 @@ class EpisodeView:
     """A figure of one episode that can show any of its steps.
 
     Attributes:
-        fig: The figure, 170 x 115 mm.
+        fig: the figure, 170 x 115 mm.
         states: float[T', 5], the states that can be shown.
-        map: Axes of the whole episode.
-        near: Axes that follow the vessel, as wide as the candidate paths need.
-        window: Axes of the dynamic window, one cell per candidate.
+        map: axes of the whole episode.
+        near: axes that follow the vessel, as wide as the candidate paths need.
+        window: axes of the dynamic window, one cell per candidate.
     """
 
     @style.styled
@@ -108,11 +108,11 @@ class EpisodeView:
         """Draw what does not change from step to step.
 
         Args:
-            episode: What to show.
-            decide: From a state to the decision taken there.
+            episode: what to show.
+            decide: from a state to the decision taken there.
 
         Raises:
-            BadInputError: The trajectory is not float[T, 5] or has no finite state.
+            BadInputError: the trajectory is not float[T, 5] or has no finite state.
         """
         self.episode, self._decide = episode, decide
         self.states = _clean_states(episode)
@@ -134,10 +134,10 @@ class EpisodeView:
         """Show the state of one step and the decision taken there.
 
         Args:
-            step: Control periods since the start, 0 to len(states) - 1.
+            step: control periods since the start, 0 to len(states) - 1.
 
         Raises:
-            BadInputError: There is no such step.
+            BadInputError: there is no such step.
         """
         if not 0 <= step < len(self.states):
             raise BadInputError(f"step is {step}; 0 to {len(self.states) - 1} was wanted")
@@ -265,11 +265,11 @@ def decision_film(episode: Episode, decide: Decide) -> Film:
     """An episode as a film of its decisions.
 
     Args:
-        episode: What to show.
-        decide: From a state to the decision taken there.
+        episode: what to show.
+        decide: from a state to the decision taken there.
 
     Raises:
-        BadInputError: The trajectory is not float[T, 5] or has no finite state.
+        BadInputError: the trajectory is not float[T, 5] or has no finite state.
     """
     view = EpisodeView(episode, decide)
     return Film(view.fig, len(view.states), view.show)
@@ -279,16 +279,16 @@ def plot_decision(episode: Episode, decide: Decide, step: int) -> Figure:
     """Draw one step of an episode with its dynamic window.
 
     Args:
-        episode: What to show.
-        decide: From a state to the decision taken there.
-        step: Control periods since the start.
+        episode: what to show.
+        decide: from a state to the decision taken there.
+        step: control periods since the start.
 
     Returns:
         The figure: the map and a close-up with the fan of candidate paths coloured by score
         (inadmissible ones grey, the chosen one bold), and the window of candidates.
 
     Raises:
-        BadInputError: As `EpisodeView`.
+        BadInputError: as `EpisodeView`.
     """
     view = EpisodeView(episode, decide)
     view.show(step)

@@ -156,8 +156,8 @@ def typical_job(table: pl.DataFrame, methods: list[str]) -> tuple[int, str]:
     """Choose the episode to show of one condition, by a rule rather than by eye.
 
     Args:
-        table: Rows of one condition.
-        methods: Its methods, the baseline first.
+        table: rows of one condition.
+        methods: its methods, the baseline first.
 
     Returns:
         The job, and why it was chosen: the median difference in time between the last method

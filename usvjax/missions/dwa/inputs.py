@@ -29,11 +29,11 @@ class Scene:
     """Checked episodes on the host, in the frame of the map's corner.
 
     Attributes:
-      start: float64[B, 3], x (m), y (m), psi (rad).
-      goal: float64[B, 2] (m).
-      origin: float64[2] (m), what was subtracted from the world's coordinates.
-      obstacles: float32[B or 1, 2, K], centres (m), FAR pads; None on a chart.
-      chart: the shared map; None among circles.
+        start: float64[B, 3], x (m), y (m), psi (rad).
+        goal: float64[B, 2] (m).
+        origin: float64[2] (m), what was subtracted from the world's coordinates.
+        obstacles: float32[B or 1, 2, K], centres (m), FAR pads; None on a chart.
+        chart: the shared map; None among circles.
     """
 
     start: np.ndarray
@@ -161,7 +161,7 @@ def refuse_remote(name: str, points: np.ndarray) -> None:
     """Refuse points, float[B, 2] (m), that single precision resolves badly.
 
     Raises:
-      BadInputError: naming the argument and, of several, the first such row.
+        BadInputError: naming the argument and, of several, the first such row.
     """
     remote = np.abs(points) > MOST_REMOTE
     if remote.any():

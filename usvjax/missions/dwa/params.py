@@ -186,13 +186,13 @@ def check_dwa(params: DwaParams, static: DwaStatic, episodes: int | None = None)
     """Refuse parameters that make no sense, before anything is compiled.
 
     Args:
-      params: leaves scalar, or float[episodes].
-      static: choices of method.
-      episodes: length that array leaves must have; None where only scalars will do.
+        params: leaves scalar, or float[episodes].
+        static: choices of method.
+        episodes: length that array leaves must have; None where only scalars will do.
 
     Raises:
-      BadTypeError: a leaf that is not a number, or of the wrong class.
-      BadInputError: naming the parameter, what it is and what was wanted.
+        BadTypeError: a leaf that is not a number, or of the wrong class.
+        BadInputError: naming the parameter, what it is and what was wanted.
     """
     if not isinstance(params, DwaParams):
         raise BadTypeError(f"params: got {type(params).__name__}; wanted DwaParams")

@@ -33,17 +33,17 @@ class NavigateResult:
     """How B episodes ended; numpy arrays, in the order of the arguments.
 
     Attributes:
-      status: int32[B], `Status`: REACHED, COLLIDED, STUCK or TIMED_OUT.
-      time: float32[B], duration (s) to whatever ended the episode.
-      path_length: float32[B], distance sailed (m).
-      mean_speed: float32[B], path_length / time (m/s); 0 for an episode of no duration.
-      min_clearance: float32[B], least distance to an obstacle's circle at an executed
-        position (m), negative on collision; inf where no obstacle was ever sensed.
-      steps: int32[B], control periods executed.
-      trajectory: float32[B, T, 5] or None: x (m), y (m), psi (rad), v (m/s), w (rad/s) from
-        the start on; after its end an episode repeats its last row. float64 on a map whose
-        origin is not (0, 0): single precision resolves no step at UTM coordinates.
-      occupancy: share of lane-steps that advanced an episode, in (0, 1].
+        status: int32[B], `Status`: REACHED, COLLIDED, STUCK or TIMED_OUT.
+        time: float32[B], duration (s) to whatever ended the episode.
+        path_length: float32[B], distance sailed (m).
+        mean_speed: float32[B], path_length / time (m/s); 0 for an episode of no duration.
+        min_clearance: float32[B], least distance to an obstacle's circle at an executed
+            position (m), negative on collision; inf where no obstacle was ever sensed.
+        steps: int32[B], control periods executed.
+        trajectory: float32[B, T, 5] or None: x (m), y (m), psi (rad), v (m/s), w (rad/s) from
+            the start on; after its end an episode repeats its last row. float64 on a map whose
+            origin is not (0, 0): single precision resolves no step at UTM coordinates.
+        occupancy: share of lane-steps that advanced an episode, in (0, 1].
     """
 
     status: np.ndarray
@@ -75,30 +75,30 @@ def navigate_dwa(
     depend on the others, their number or the devices.
 
     Args:
-      obstacles: float[B, K, 2] centres (m), or float[K, 2] shared; rows that are masked, or
-        farther than 500 km, are padding. Or a `GridMap` shared by all: every blocked cell on
-        the shoreline is an obstacle, and `params.radius` must cover a cell. The map's edge is
-        no obstacle: a vessel may leave, and then senses what is near the edge cell beside it.
-      starts: float[B, 3], x (m), y (m), psi (rad), at rest; or float[3].
-      goals: float[B, 2] (m); or float[2], shared. Coordinates stay below 200 km (single
-        precision): subtract a local origin from UTM coordinates.
-      params: defaults to Tan's Table 1. A leaf may be float[B], one value per episode.
-      static: choices of method; its n_v and n_w must hold the window of `params`.
-      valid: bool[B, K] (or bool[K]), False masks an obstacle.
-      record: also return the trajectories; memory grows with B times `static.max_steps`.
-      sensing_range: (m) with a `GridMap`, how far off shore is seen; by default as far as the
-        prediction reaches, plus braking and the radius; wanted where these differ between
-        episodes.
-      max_lanes: most episodes under way at once on a device, at least 16, which fill the
-        processor's vectors; for measurements.
+        obstacles: float[B, K, 2] centres (m), or float[K, 2] shared; rows that are masked, or
+            farther than 500 km, are padding. Or a `GridMap` shared by all: every blocked cell on
+            the shoreline is an obstacle, and `params.radius` must cover a cell. The map's edge is
+            no obstacle: a vessel may leave, and then senses what is near the edge cell beside it.
+        starts: float[B, 3], x (m), y (m), psi (rad), at rest; or float[3].
+        goals: float[B, 2] (m); or float[2], shared. Coordinates stay below 200 km (single
+            precision): subtract a local origin from UTM coordinates.
+        params: defaults to Tan's Table 1. A leaf may be float[B], one value per episode.
+        static: choices of method; its n_v and n_w must hold the window of `params`.
+        valid: bool[B, K] (or bool[K]), False masks an obstacle.
+        record: also return the trajectories; memory grows with B times `static.max_steps`.
+        sensing_range: (m) with a `GridMap`, how far off shore is seen; by default as far as the
+            prediction reaches, plus braking and the radius; wanted where these differ between
+            episodes.
+        max_lanes: most episodes under way at once on a device, at least 16, which fill the
+            processor's vectors; for measurements.
 
     Returns:
-      The outcomes, in the order of `starts`.
+        The outcomes, in the order of `starts`.
 
     Raises:
-      BadTypeError: an argument of the wrong type or dtype.
-      BadInputError: a wrong shape, NaN or infinity, impossible parameters, or a start inside
-        an obstacle; the message names the argument and the first bad row.
+        BadTypeError: an argument of the wrong type or dtype.
+        BadInputError: a wrong shape, NaN or infinity, impossible parameters, or a start inside
+            an obstacle; the message names the argument and the first bad row.
     """
     params = DwaParams() if params is None else params
     static = DwaStatic() if static is None else static

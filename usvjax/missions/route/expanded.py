@@ -35,12 +35,12 @@ class Expanded:
     """What a search with one heuristic expands.
 
     Attributes:
-        heuristic: Its name.
+        heuristic: its name.
         surely: bool[H, W], cells with g + h below the cost of the path: expanded in any case.
         on_tie: bool[H, W], cells with g + h equal to it: expanded or not as ties are broken.
         path: int[P, 2], cells from start to goal.
-        cost: Its length, cells.
-        expanded: How many cells the search expanded.
+        cost: its length, cells.
+        expanded: how many cells the search expanded.
     """
 
     heuristic: str
@@ -66,15 +66,15 @@ def expanded_cells(
     from the start.
 
     Args:
-        grid_map: The map.
+        grid_map: the map.
         start: int[2], cell (x, y).
         goal: int[2], cell (x, y).
-        heuristics: Of `HEURISTICS`.
-        corner_cutting: As in `usvjax.search.astar`.
+        heuristics: of `HEURISTICS`.
+        corner_cutting: as in `usvjax.search.astar`.
 
     Raises:
-        BadTypeError: Cells that are not whole numbers.
-        BadInputError: Another heuristic, a cell off the map or blocked, or no path.
+        BadTypeError: cells that are not whole numbers.
+        BadInputError: another heuristic, a cell off the map or blocked, or no path.
     """
     for name in heuristics:
         one_of("heuristics", name, HEURISTICS)
@@ -131,9 +131,9 @@ def plot_expanded(
     """Draw the cells that searches expand on a chart, side by side, with their paths.
 
     Args:
-        grid_map: The map.
-        searches: One to four, from `expanded_cells`.
-        title: Title of the figure.
+        grid_map: the map.
+        searches: one to four, from `expanded_cells`.
+        title: title of the figure.
 
     Returns:
         The figure, 170 mm wide. Data coordinates are metres; the axes are labelled in

@@ -26,7 +26,7 @@ class Replanning:
     """One episode of `usvjax.dstar_lite`, with what the vessel knew.
 
     Attributes:
-        grid_map: The first map, which is known.
+        grid_map: the first map, which is known.
         position: int[T + 1, 2], cells (x, y); index 0 is the start.
         goal: int[2], cell.
         known: bool[T + 1, H, W], the map as the vessel knows it at each position.
@@ -35,7 +35,7 @@ class Replanning:
         cost_to_go: float[T + 1], cells; inf where cut off.
         expanded: int[T + 1], cells expanded in the replanning that led to each position.
         sensing: (h, w), rows and columns of the window in which changes are noticed, or None.
-        title: Title of the film.
+        title: title of the film.
     """
 
     grid_map: GridMap
@@ -65,22 +65,22 @@ def replanning_of(
     """Work out what the vessel of one episode knew and which way lay ahead of it.
 
     Args:
-        grid_map: The first map.
+        grid_map: the first map.
         flips: int[T, C, 2], one row of those given to `usvjax.dstar_lite`.
         position: int[T + 1, 2], one row of its result; likewise `cost_to_go` and `expanded`.
         goal: int[2], cell.
         cost_to_go: float[T + 1], cells.
         expanded: int[T + 1].
         sensing: (h, w), as given to `usvjax.dstar_lite`.
-        corner_cutting: Likewise.
-        title: Title of the film.
+        corner_cutting: likewise.
+        title: title of the film.
 
     Returns:
         The episode, for `animate_replanning`. Where several paths ahead are shortest, the one
         shown may be another than the vessel takes.
 
     Raises:
-        BadInputError: Shapes that do not agree.
+        BadInputError: shapes that do not agree.
     """
     cells, way = np.asarray(flips), np.asarray(position)
     steps = len(way) - 1
@@ -163,10 +163,10 @@ class ReplanningView:
     """A figure of one episode that can show any of its steps.
 
     Attributes:
-        fig: The figure, 170 mm wide.
-        map: Axes of the map as known.
-        cost: Axes of the length of the path ahead.
-        work: Axes of the cells expanded at each step.
+        fig: the figure, 170 mm wide.
+        map: axes of the map as known.
+        cost: axes of the length of the path ahead.
+        work: axes of the cells expanded at each step.
     """
 
     @style.styled
@@ -191,10 +191,10 @@ class ReplanningView:
         """Show one step: what is known, what has just changed, the way so far and the way ahead.
 
         Args:
-            step: Moves since the start, 0 to T.
+            step: moves since the start, 0 to T.
 
         Raises:
-            BadInputError: There is no such step.
+            BadInputError: there is no such step.
         """
         episode = self.episode
         if not 0 <= step < len(episode.position):
@@ -301,14 +301,14 @@ def plot_replanning(episode: Replanning, step: int) -> Figure:
     """Draw one step of an episode.
 
     Args:
-        episode: What to show, from `replanning_of`.
-        step: Moves since the start.
+        episode: what to show, from `replanning_of`.
+        step: moves since the start.
 
     Returns:
         The figure, 170 mm wide.
 
     Raises:
-        BadInputError: There is no such step.
+        BadInputError: there is no such step.
     """
     view = ReplanningView(episode)
     view.show(step)
