@@ -76,7 +76,7 @@ def test_bootstrap_intervals_agree_with_scipy(n):
 
 def test_resampled_figures_are_those_of_sorted_resamples(monkeypatch):
     # One resample, written out the slow way from the same random ranks.
-    from usvjax.study import statistics
+    from usvjax import statistics
 
     data = np.sort(np.random.default_rng(2).normal(size=(21, 2)), axis=0)
     figures = statistics._resampled(data, 3, np.random.default_rng(9))

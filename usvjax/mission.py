@@ -234,7 +234,8 @@ class Mission(Protocol):
         """Run one method.
 
         Args:
-            scene: what `pose` returned.
+            scene: what `pose` returned. It may keep there what other methods will want as well,
+                so long as nothing that comes out depends on it.
             method: one of `methods`.
             record: whether a recording is wanted.
         """

@@ -26,6 +26,7 @@ class Table:
         default: what is chosen where that key is missing.
         extra: keys that are no field, and what each means.
         without: fields that are no key.
+        examples: values of keys that have no default, for a file to begin with.
     """
 
     about: str
@@ -34,6 +35,7 @@ class Table:
     default: str = ""
     extra: Mapping[str, str] = field(default_factory=dict)
     without: tuple[str, ...] = ()
+    examples: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def keys(self) -> tuple[str, ...]:

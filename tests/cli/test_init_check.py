@@ -53,7 +53,6 @@ def test_the_defaults_that_a_template_shows_are_those_in_force(kind):
     text = template(kind, find_mission(kind))
     plain = parse_spec(tomllib.loads(text))
     explicit = tomllib.loads(uncommented(text))
-    del explicit["methods"]
     spec = parse_spec(explicit)
     assert spec.conditions[0].case.settings == plain.conditions[0].case.settings
     assert spec.shard == plain.shard == 2000
@@ -140,7 +139,7 @@ def test_check_says_how_much_and_how_long(tmp_path, capsys):
     assert [path.name for path in tmp_path.iterdir()] == ["small.toml"]
     assert main(["check", str(file), "--no-trial"]) == 0
     shown = capsys.readouterr().out
-    assert "80: 40 x 1 methods x 2 conditions, in 4 shards" in shown
+    assert "80: 40 x 1 method x 2 conditions, in 4 shards" in shown
     assert "Time" not in shown
 
 

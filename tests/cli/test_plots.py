@@ -160,7 +160,7 @@ def test_a_map_that_is_missing_or_changed_is_said(lake_run, tmp_path):
     with pytest.raises(BadInputError, match=r"pond\.map"):
         Replay(run, tmp_path)(0, "improved", [0])
     save_map(GridMap(np.zeros((14, 18), bool)), tmp_path / "pond.map")
-    with pytest.raises(BadInputError, match=r"pond\.map is not the one that .* was made with"):
+    with pytest.raises(BadInputError, match=r"pond\.map is not what .* was made with"):
         Replay(run, tmp_path)(0, "improved", [0])
 
 

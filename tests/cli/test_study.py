@@ -176,7 +176,9 @@ def test_unknown_commands_name_the_nearest(capsys):
     assert main(["studdy"]) == 2
     assert "did you mean 'study'?" in one_line(capsys)
     assert main(["xyz"]) == 2
-    assert "valid: animate, maps, plot, reproduce, route, study" in one_line(capsys)
+    assert "valid: animate, check, export, init, maps, plot, reproduce, route, study" in one_line(
+        capsys
+    )
 
 
 def test_help_and_version(capsys):

@@ -6,8 +6,10 @@ import pytest
 
 from usvjax.errors import BadInputError
 from usvjax.registry import find_mission
-from usvjax.study import load_spec, run_study
+from usvjax.study import load_run, load_spec, run_study
 from usvjax.study.code import code_digest, sources
+from usvjax.study.figures import figures_for_run
+from usvjax.study.replay import Replay
 
 DRIFT = Path(__file__).parents[2] / "docs" / "examples" / "mydrift.py"
 
@@ -73,21 +75,64 @@ def test_what_only_draws_may_change(folder, old, new):
 
 def test_what_a_plugin_imports_from_beside_it_counts(folder):
     changed(folder, "DT, STEPS", "from calm import FACTOR\n\nDT, STEPS")
+    changed(folder, "push = gain *", "push = FACTOR * gain *")
     (folder / "calm.py").write_text("FACTOR = 1.0\n")
-    load_spec(folder / "mine.toml")
-    names = sources(find_mission("drift"))
-    assert {"calm.py", "mydrift.py"} <= set(names)
-    before = code_digest(find_mission("drift"))
-    (folder / "calm.py").write_text("FACTOR = 1.1\n")
-    changed(folder, "FACTOR\n", "FACTOR  # read anew\n")
-    load_spec(folder / "mine.toml")
-    assert code_digest(find_mission("drift")) != before
+    first = run(folder)
+    assert {"calm.py", "mydrift.py"} <= set(sources(find_mission("drift"), folder / "mydrift.py"))
+    (folder / "calm.py").write_text("FACTOR = 4.0\n")
+    with pytest.raises(BadInputError, match="holds a run made with code"):
+        run(folder)
+    again = run_study(load_spec(folder / "mine.toml"), folder / "other", devices=1)
+    assert again.summary["conditions"] != first.summary["conditions"]  # the new one was imported
+
+
+def test_the_file_that_a_study_names_counts_whoever_wrote_the_class(folder):
+    (folder / "mydrift.py").rename(folder / "base_drift.py")
+    (folder / "mydrift.py").write_text(
+        "import base_drift\n\nbase_drift.STEPS = 400\nMISSIONS = {'drift': base_drift.Drift()}\n"
+    )
+    run(folder)
+    changed(folder, "STEPS = 400", "STEPS = 300")
+    with pytest.raises(BadInputError, match="holds a run made with code"):
+        run(folder)
+
+
+def test_a_changed_plugin_has_no_old_episode_back(folder):
+    """Even where no row of the run would tell: here all that times out."""
+    path = run(folder).path
+    Replay(load_run(path), folder)(0, "field", [0])
+    changed(folder, "push = gain *", "push = 1.5 * gain *")
+    before = sorted((path).rglob("*"))
+    with pytest.raises(BadInputError, match=r"was made with another mydrift\.py"):
+        figures_for_run(path, folder=folder)
+    assert sorted(path.rglob("*")) == before
+
+
+def test_a_method_of_ones_own_is_bound_to_no_figure(tmp_path):
+    (tmp_path / "detours.py").write_text(
+        "from usvjax.missions.route.mission import RouteMission\n\n\n"
+        "class Detours(RouteMission):\n    pass\n\n\nMISSIONS = {'detours': Detours()}\n"
+    )
+    (tmp_path / "d.toml").write_text(
+        'name = "d"\nkind = "detours"\nplugin = "detours.py"\nepisodes = 2\n'
+    )
+    names = sources(load_spec(tmp_path / "d.toml").mission, tmp_path / "detours.py")
+    assert {"detours.py", "usvjax/missions/route/mission.py"} <= set(names)
+    assert not [n for n in names if "/plots/" in n or n.endswith(("figures.py", "looks.py"))]
+
+
+def test_a_mission_without_a_file_is_refused():
+    namespace = {}
+    exec("class Nowhere:\n    pass\n", namespace)
+    with pytest.raises(BadInputError, match="'Nowhere' stands in no file"):
+        code_digest(namespace["Nowhere"]())
 
 
 def test_the_facade_is_seen_through(folder):
     changed(folder, "DT, STEPS", "import usvjax as uj\n\nSEARCH = uj.astar\nDT, STEPS")
     load_spec(folder / "mine.toml")
-    assert "usvjax/search/astar.py" in sources(find_mission("drift"))
+    plugin = folder / "mydrift.py"
+    assert "usvjax/search/astar.py" in sources(find_mission("drift"), plugin)
 
 
 @pytest.mark.parametrize(
@@ -114,6 +159,16 @@ def test_a_mission_is_bound_to_its_own_kernels(kind, there, not_there):
         ("MISSIONS = []", "has no MISSIONS"),
         ("MISSIONS = {'drift': 3}", "the mission 'drift' has no 'tables'"),
         ("MISSIONS = {3: 3}", "a kind that is no string"),
+        (DRIFT.read_text() + "MISSIONS = {'drift': Drift}", r"is a class; wanted .* Drift\(\)"),
+        (
+            DRIFT.read_text() + "Drift.endings = ()\n",
+            "the mission 'drift': 'endings' is empty",
+        ),
+        (
+            DRIFT.read_text() + "Drift.tables = {'drift': Waters}\n",
+            "'tables' must be of usvjax.sections.Table",
+        ),
+        ("raise SystemExit(3)", r"the plugin 'mydrift.py' fails: SystemExit: 3"),
     ],
 )
 def test_a_plugin_that_is_none_is_one_sentence(folder, source, words):

@@ -16,7 +16,7 @@ from usvjax.errors import BadInputError
 from usvjax.mission import Outcome
 from usvjax.study import load_run, parse_spec, run_study
 from usvjax.study.report import terminal
-from usvjax.study.runner import StudyStoppedError, pick_devices, run_unit, unit_jobs
+from usvjax.study.runner import StudyStoppedError, pick_devices, unit_jobs
 from usvjax.study.store import Unit
 
 
@@ -159,13 +159,6 @@ def test_results_do_not_depend_on_shards_order_or_devices(tmp_path, finished):
     for summary in (other.summary, finished.summary):
         summary["study"].pop("hash")
     assert other.summary == finished.summary
-
-
-def test_a_job_is_the_same_alone_and_among_others():
-    study = toy_study(episodes=64, shard=64)
-    among = run_unit(parse_spec(study), Unit(0, 0)).filter(pl.col("job") == 63)
-    alone = run_unit(parse_spec({**study, "shard": 1}), Unit(0, 63))
-    assert among.equals(alone)
 
 
 def test_last_shard_is_partial():

@@ -76,7 +76,7 @@ def test_another_version_is_refused(tmp_path, finished, key, value, words):
 
 
 def test_a_version_of_this_library_alone_decides(tmp_path, finished, monkeypatch):
-    monkeypatch.setattr("usvjax.__version__", "99.0")
+    monkeypatch.setattr("usvjax.study.versions.__version__", "99.0")
     refused(tmp_path, "this is 99.0")
 
 

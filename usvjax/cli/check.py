@@ -1,6 +1,8 @@
 """`usvjax check`: what a study would run, how long and how large, without running it."""
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -38,21 +40,39 @@ def check(file: StudyPath, no_trial: Flag = False, as_json: AsJson = False) -> N
 
     use_compilation_cache()
     spec = load_spec(file)
-    found = None if no_trial else estimate(spec)
-    facts = _facts(spec, found)
+    facts = _facts(spec)
+    if not as_json:
+        _print(spec, facts)
+    if not no_trial:
+        with _waiting(as_json):
+            found = estimate(spec)
+        facts["estimate"] = asdict(found)
+        shared = min(facts["devices"], facts["shards"])
+        facts["estimate"]["wall_seconds"] = found.seconds / shared
+        if not as_json:
+            _print_estimate(facts, found, spec.until is not None)
     if as_json:
         print(json.dumps(facts))
+
+
+@contextmanager
+def _waiting(quiet: bool) -> Iterator[None]:
+    """Say on stderr that a few episodes are being tried."""
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield
         return
-    _print(spec, facts, found)
+    with console.status("trying a few episodes ..."):
+        yield
 
 
-def _facts(spec: "StudySpec", found: "Estimate | None") -> dict[str, Any]:
+def _facts(spec: "StudySpec") -> dict[str, Any]:
     import jax
 
     methods, conditions = len(spec.methods), len(spec.conditions)
     devices = len(jax.local_devices())
     shards = -(-spec.episodes // spec.shard) * conditions
-    facts: dict[str, Any] = {
+    return {
         "name": spec.name,
         "kind": spec.kind,
         "seed": spec.seed,
@@ -65,15 +85,9 @@ def _facts(spec: "StudySpec", found: "Estimate | None") -> dict[str, Any]:
         "shards": shards,
         "devices": devices,
     }
-    if found is not None:
-        facts["estimate"] = asdict(found)
-        facts["estimate"]["wall_seconds"] = found.seconds / min(devices, shards)
-    return facts
 
 
-def _print(spec: "StudySpec", facts: dict[str, Any], found: "Estimate | None") -> None:
-    from usvjax.checks import byte_size
-
+def _print(spec: "StudySpec", facts: dict[str, Any]) -> None:
     console = Console(highlight=False, markup=False, soft_wrap=True)
     labels = facts["conditions"]
     most = "at most " if spec.until is not None else ""
@@ -84,20 +98,30 @@ def _print(spec: "StudySpec", facts: dict[str, Any], found: "Estimate | None") -
     if len(labels) > _SHOWN:
         console.print(f"{' ' * 10} ... and {len(labels) - _SHOWN:,} more")
     console.print(
-        f"Episodes   {most}{facts['episodes']:,}: {spec.episodes:,} x {len(spec.methods)} methods "
-        f"x {len(labels):,} conditions, in {facts['shards']:,} shards"
+        f"Episodes   {most}{facts['episodes']:,}: {spec.episodes:,} x "
+        f"{_counted(len(spec.methods), 'method')} x {_counted(len(labels), 'condition')}, in "
+        f"{_counted(facts['shards'], 'shard')}"
     )
     if spec.until is not None:
         console.print(f"Until      intervals of success rates are at most {spec.until:g} wide")
-    if found is None:
-        return
+
+
+def _print_estimate(facts: dict[str, Any], found: "Estimate", until: bool) -> None:
+    from usvjax.checks import byte_size
+
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    most = "at most " if until else ""
     wall = facts["estimate"]["wall_seconds"]
     console.print(
-        f"Time       {most}about {_duration(wall)} on {facts['devices']} devices, and compilation "
-        f"({_duration(found.first_seconds)} here); by {found.tried} episodes of "
-        f"{found.conditions} conditions"
+        f"Time       {most}about {_duration(wall)} on {_counted(facts['devices'], 'device')}, and "
+        f"compilation ({_duration(found.first_seconds)} here); by "
+        f"{_counted(found.tried, 'episode')} of {_counted(found.conditions, 'condition')}"
     )
     console.print(f"Size       {most}about {byte_size(found.bytes)} on disk")
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count:,} {what}" if count == 1 else f"{count:,} {what}s"
 
 
 def _duration(seconds: float) -> str:

@@ -249,7 +249,7 @@ def _plan(scene: SearchScene, static: AstarStatic, max_lanes: int) -> _Calls:
     size = pqueue.layout(1, static.states).size
     most = max(1, min(MOST_ROWS, MOST_STATES // size))
     blocks = deal(rows, most, len(devices), least=LEAST_LANES)
-    capacity = bucket(max(LEAST_LANES, *map(len, blocks)))
+    capacity = bucket(max([LEAST_LANES, *map(len, blocks)]))
     lanes = max(1, min(max_lanes, capacity // JOBS_PER_LANE, MOST_KEYS // size))
     needed = len(devices) * size * (4 * lanes + capacity * (1 if scene.shared else 2))
     height, width = scene.shape

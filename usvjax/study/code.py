@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 
 import usvkernels
+from usvjax.errors import BadInputError
 from usvjax.exports import home_of
 from usvjax.mission import Mission
 
@@ -26,43 +27,74 @@ _ROOTS = {
 }
 
 
-def code_digest(mission: Mission) -> str:
-    """Digest of the code that decides a mission's results, 16 hexadecimal digits."""
+def code_digest(mission: Mission, plugin: Path | None = None) -> str:
+    """Digest of the code that decides a mission's results, 16 hexadecimal digits.
+
+    Args:
+        mission: of a study.
+        plugin: the file that brought it, if it is a user's own.
+
+    Raises:
+        BadInputError: the mission was made where there is no file to read.
+    """
     digest = hashlib.sha256()
-    for key, source in sorted(sources(mission).items()):
+    for key, source in sorted(sources(mission, plugin).items()):
         digest.update(key.encode() + b"\0" + source + b"\0")
     return digest.hexdigest()[:16]
 
 
-def sources(mission: Mission) -> dict[str, bytes]:
+def sources(mission: Mission, plugin: Path | None = None) -> dict[str, bytes]:
     """The source of the files that decide a mission's results, by their path.
 
     Paths begin with the package; those of a plug-in, and of what stands beside it, with its folder
-    left out.
+    left out. The arguments are those of `code_digest`.
     """
-    start, name = Path(inspect.getfile(type(mission))), type(mission).__name__
-    own = _package_of(start) is not None
-    return _own_sources(start, name) if own else _sources(start, name, start.parent)
+    kinds = [kind for kind in type(mission).__mro__ if kind not in (object, Mission)]
+    names = frozenset(kind.__name__ for kind in kinds)
+    starts = {_file_of(kind) for kind in kinds} | ({plugin} if plugin else set())
+    if all(map(_package_of, starts)):
+        return _own_sources(tuple(sorted(starts)), names)
+    return _sources(starts, names)
+
+
+def beside(path: Path) -> dict[str, bytes]:
+    """The source of the files that a plug-in imports from its own folder, itself among them."""
+    found = _sources({path}, frozenset())
+    return {key: source for key, source in found.items() if (path.parent / key).is_file()}
+
+
+def _file_of(kind: type) -> Path:
+    try:
+        path = Path(inspect.getfile(kind))
+    except (OSError, TypeError):
+        path = Path()
+    if not path.is_file():
+        raise BadInputError(
+            f"the code of the mission {kind.__name__!r} stands in no file; wanted it in one, so "
+            f"that a run can tell what made it"
+        )
+    return path
 
 
 @cache  # a plug-in may change while a process goes on
-def _own_sources(start: Path, name: str) -> dict[str, bytes]:
-    return _sources(start, name, None)
+def _own_sources(starts: tuple[Path, ...], names: frozenset[str]) -> dict[str, bytes]:
+    return _sources(set(starts), names)
 
 
-def _sources(start: Path, name: str, beside: Path | None) -> dict[str, bytes]:
+def _sources(starts: set[Path], names: frozenset[str]) -> dict[str, bytes]:
+    """Sources of the files and of what they import, without drawing methods of these classes."""
     found: dict[str, bytes] = {}
-    waiting = [start]
+    waiting = list(starts)
+    folders = {path.parent for path in starts if _package_of(path) is None}
     while waiting:
         path = waiting.pop()
-        root = _package_of(path) or beside or path.parent
-        key = path.relative_to(root).as_posix()
+        key = path.relative_to(_package_of(path) or path.parent).as_posix()
         if key in found:
             continue
         source = path.read_bytes()
         tree = ast.parse(source)
-        found[key] = _without_drawing(source, tree, name) if path == start else source
-        waiting += filter(None, (_file(module, beside) for module in _imports(tree)))
+        found[key] = _without_drawing(source, tree, names) if path in starts else source
+        waiting += filter(None, (_file(module, folders) for module in _imports(tree)))
     return found
 
 
@@ -71,11 +103,11 @@ def _package_of(path: Path) -> Path | None:
     return next((r for name, r in _ROOTS.items() if path.is_relative_to(r / name)), None)
 
 
-def _without_drawing(source: bytes, tree: ast.Module, name: str) -> bytes:
-    """Take the methods that only draw out of a mission's class: out of the tree and the source."""
+def _without_drawing(source: bytes, tree: ast.Module, names: frozenset[str]) -> bytes:
+    """Take the methods that only draw out of a mission's classes: out of tree and source."""
     lines = source.splitlines(keepends=True)
     for kind in tree.body:
-        if not isinstance(kind, ast.ClassDef) or kind.name != name:
+        if not isinstance(kind, ast.ClassDef) or kind.name not in names:
             continue
         for node in list(kind.body):
             if isinstance(node, ast.FunctionDef) and node.name in DRAWING:
@@ -120,17 +152,17 @@ def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
             yield from _statements(part.body)
 
 
-def _file(module: str, beside: Path | None) -> Path | None:
+def _file(module: str, folders: set[Path]) -> Path | None:
     """The file of a module that is ours or stands beside a plug-in; else None.
 
     Of our own two packages, `__init__` only says where names are, and decides nothing.
     """
-    package = module.partition(".")[0]
-    root = _ROOTS.get(package, beside)
-    if root is None or module in _ROOTS or not module:
+    if module in _ROOTS or not module:
         return None
-    base = root.joinpath(*module.split("."))
-    for path in (base.with_suffix(".py"), base / "__init__.py"):
-        if path.is_file():
-            return path
+    own = _ROOTS.get(module.partition(".")[0])
+    for root in folders if own is None else {own}:
+        base = root.joinpath(*module.split("."))
+        for path in (base.with_suffix(".py"), base / "__init__.py"):
+            if path.is_file():
+                return path
     return None

@@ -4,6 +4,8 @@ import io
 import time
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from usvjax.study.runner import run_unit
 from usvjax.study.spec import StudySpec
 from usvjax.study.store import Unit
@@ -41,10 +43,14 @@ def estimate(spec: StudySpec, budget: float = 20.0) -> Estimate:
         budget: s, after which no larger number of episodes is tried.
     """
     began = time.perf_counter()
-    step = max(1, len(spec.conditions) // MOST_TRIED)
-    chosen = range(0, len(spec.conditions), step)[:MOST_TRIED]
+    count = min(MOST_TRIED, len(spec.conditions))
+    chosen = sorted(set(np.linspace(0, len(spec.conditions) - 1, count).astype(int).tolist()))
     tried = min(FIRST, spec.episodes)
-    _, _ = _trial(spec, chosen, tried)
+    _trial(spec, chosen[:1], 1)
+    # What one episode takes, compilation and all, bounds how much more is worth trying.
+    if (time.perf_counter() - began) * len(chosen) > budget:
+        chosen, tried = chosen[:1], min(2, spec.episodes)
+    _trial(spec, chosen, tried)
     first = time.perf_counter() - began
     seconds, size = _trial(spec, chosen, tried)
     while tried < min(spec.shard, spec.episodes):
@@ -59,7 +65,7 @@ def estimate(spec: StudySpec, budget: float = 20.0) -> Estimate:
     return Estimate(seconds * scale, first, round(size * scale), tried, len(chosen))
 
 
-def _trial(spec: StudySpec, conditions: range, episodes: int) -> tuple[float, int]:
+def _trial(spec: StudySpec, conditions: list[int], episodes: int) -> tuple[float, int]:
     """Seconds and bytes of so many episodes of some conditions, all methods."""
     part = replace(spec, episodes=episodes, shard=episodes)
     began = time.perf_counter()

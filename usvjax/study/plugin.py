@@ -1,8 +1,8 @@
 """A mission from a file of one's own, named by the study: `plugin = "mydrift.py"`.
 
 The file holds a dictionary `MISSIONS`, from the kind of a study to a mission. It is imported under
-a name made of its content, so that two studies may bring files of one name, and a changed file is
-another module.
+a name made of its place and its content, and of what it imports from beside it, so that two studies
+may bring files of one name, and a changed file is another module.
 """
 
 import hashlib
@@ -11,10 +11,13 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.mission import Mission
 from usvjax.registry import register_mission
+from usvjax.sections import Table
+from usvjax.study.code import beside
 
 PREFIX = "usvjax_plugin_"
 
@@ -29,11 +32,13 @@ class Plugin:
         name: as the study has it.
         path: of the file.
         source: its content, with which another process can import it.
+        digest: of its place, its content, and that of the files it imports from beside it.
     """
 
     name: str
     path: Path
     source: bytes
+    digest: str
 
     def load(self, where: str = "the study") -> None:
         """Import the file and make its missions known.
@@ -42,10 +47,10 @@ class Plugin:
             BadInputError: its import fails, or it holds no missions.
         """
         try:
-            module = _imported(self.source, self.path)
+            module = _imported(self)
         except (BadInputError, BadTypeError):
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             what = f"{type(error).__name__}: {error}"
             raise BadInputError(f"{where}: the plugin {self.name!r} fails: {what}") from error
         found = getattr(module, "MISSIONS", None)
@@ -68,6 +73,14 @@ class Plugin:
         missing = [name for name in _WANTED if not hasattr(mission, name)]
         if missing:
             raise BadInputError(f"{place} has no {missing[0]!r}; see usvjax.mission.Mission")
+        if isinstance(mission, type):
+            raise BadInputError(f"{place} is a class; wanted one of it, {mission.__name__}()")
+        checked: Any = mission
+        if not all(isinstance(table, Table) for table in checked.tables.values()):
+            raise BadInputError(f"{place}: 'tables' must be of usvjax.sections.Table")
+        for name in ("methods", "metrics", "endings"):
+            if not getattr(checked, name):
+                raise BadInputError(f"{place}: {name!r} is empty")
 
 
 def read_plugin(name: str, folder: Path, where: str) -> Plugin:
@@ -83,26 +96,46 @@ def read_plugin(name: str, folder: Path, where: str) -> Plugin:
     """
     path = (folder / name).resolve()
     try:
-        return Plugin(name, path, path.read_bytes())
+        source = path.read_bytes()
+        parts = {"": str(path).encode(), **beside(path)}
     except OSError as error:
         raise BadInputError(f"{where}: cannot read the plugin {name!r}: {error.strerror}") from None
+    except SyntaxError as error:
+        raise BadInputError(f"{where}: the plugin {name!r} fails: SyntaxError: {error}") from None
+    digest = hashlib.sha256()
+    for key, part in sorted(parts.items()):
+        digest.update(key.encode() + b"\0" + part + b"\0")
+    return Plugin(name, path, source, digest.hexdigest()[:16])
 
 
-def _imported(source: bytes, path: Path) -> ModuleType:
-    """The module of a source; imported once."""
-    name = PREFIX + hashlib.sha256(source).hexdigest()[:16]
+def _imported(plugin: Plugin) -> ModuleType:
+    """The module of a plug-in; imported once."""
+    name = PREFIX + plugin.digest
     if name in sys.modules:
         return sys.modules[name]
-    spec = importlib.util.spec_from_loader(name, loader=None, origin=str(path))
+    folder = plugin.path.parent
+    _forget(folder)
+    spec = importlib.util.spec_from_loader(name, loader=None, origin=str(plugin.path))
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
-    module.__file__ = str(path)
-    if str(path.parent) not in sys.path:
-        sys.path.append(str(path.parent))  # what stands beside it may be imported, too
+    module.__file__ = str(plugin.path)
     sys.modules[name] = module
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))  # for what its functions import when they are called
+    sys.path.insert(0, str(folder))
     try:
-        exec(compile(source, str(path), "exec"), module.__dict__)
+        exec(compile(plugin.source, str(plugin.path), "exec"), module.__dict__)
     except BaseException:
         del sys.modules[name]
         raise
+    finally:
+        sys.path.remove(str(folder))
     return module
+
+
+def _forget(folder: Path) -> None:
+    """Let modules from beside a plug-in be imported anew: they may have changed."""
+    for name, module in list(sys.modules.items()):
+        file = getattr(module, "__file__", None)
+        if file and Path(file).parent == folder and not name.startswith((PREFIX, "__main__")):
+            del sys.modules[name]

@@ -18,6 +18,7 @@ import polars as pl
 from usvjax.errors import BadInputError
 from usvjax.mission import Case, Files, Metric, Mission, Replayed
 from usvjax.registry import find_mission
+from usvjax.study.code import code_digest
 from usvjax.study.plugin import read_plugin
 from usvjax.study.reader import Run
 
@@ -107,12 +108,21 @@ def mission_of(run: Run, folder: Path) -> Mission:
         folder: what the study's plug-in, if it has one, is relative to.
 
     Raises:
-        BadInputError: there is no such mission, or its plug-in cannot be loaded.
+        BadInputError: there is no such mission, or its plug-in cannot be loaded or has changed.
     """
     study = run.manifest["study"]
-    if "plugin" in study:
-        read_plugin(study["plugin"], folder, str(run.path)).load(str(run.path))
-    return find_mission(study["kind"], str(run.path))
+    if "plugin" not in study:
+        return find_mission(study["kind"], str(run.path))
+    plugin = read_plugin(study["plugin"], folder, str(run.path))
+    plugin.load(str(run.path))
+    mission = find_mission(study["kind"], str(run.path))
+    # Rows may be the same where episodes are not: one that times out says little of its way.
+    if code_digest(mission, plugin.path) != run.manifest["code"]:
+        raise BadInputError(
+            f"{run.path} was made with another {study['plugin']} than that in "
+            f"{plugin.path.parent}; bring that one back, or run the study under another name"
+        )
+    return mission
 
 
 def rows_of(
@@ -169,7 +179,7 @@ def case_of(run: Run, condition: int, mission: Mission, folder: Path) -> Case:
     inputs = run.manifest["study"]["conditions"][condition]["inputs"]
     if case.inputs != inputs:
         names = ", ".join(inputs)
-        raise BadInputError(f"the map {names} is not the one that {run.path} was made with")
+        raise BadInputError(f"{names} is not what {run.path} was made with")
     return case
 
 
@@ -206,7 +216,7 @@ def _check_same(
             close = np.isclose(now.astype(np.float32), was, ROUNDING, ROUNDING, equal_nan=True)
             same &= close
     if not same.all():
-        made = ", ".join(f"{k} {run.manifest[k]}" for k in ("usvjax", "jax", "device"))
+        made = ", ".join(f"{k} {run.manifest[k]}" for k in ("usvjax", "code", "jax", "device"))
         raise BadInputError(
             f"episode {jobs[~same][0]} goes otherwise here than in {run.path}, which was made "
             f"with {made}; replay it with the same code on the same kind of device"

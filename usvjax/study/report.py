@@ -323,7 +323,7 @@ def _notes(summary: dict[str, Any]) -> list[str]:
     infinite = _infinite_note(summary)
     undetermined = "no episode ever" if infinite else "one never"
     notes = [
-        "Methods meet the same episodes: the same map, start and goal, or stations.",
+        "Methods meet the same episodes: what was drawn for a job is the same for all of them.",
         f"Intervals: shares Wilson; averages percentile bootstrap ({study['resamples']} "
         "resamples); mean differences Student's t; difference of success rates Agresti-Min. "
         '"-": the episodes do not determine this figure, such as a mean clearance where '

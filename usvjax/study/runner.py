@@ -299,9 +299,8 @@ def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame
     count = len(spec.methods)
     for rank in ((first_method + i) % count for i in range(count)):
         method = spec.methods[rank]
-        columns = spec.mission.run(scene, method).columns
         place = f"condition {condition.index} ({condition.label}), method {method}"
-        _check_columns(spec, columns, jobs, place)
+        columns = _checked(spec, spec.mission.run(scene, method).columns, jobs, place)
         metrics = {
             metric.name: pl.Series(
                 columns[metric.name], dtype=pl.Int32 if metric.integer else pl.Float32
@@ -319,10 +318,24 @@ def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame
     return pl.concat(tables).sort("job", "rank").drop("rank")
 
 
-def _check_columns(
-    spec: StudySpec, columns: Mapping[str, np.ndarray], jobs: np.ndarray, place: str
-) -> None:
-    """Raise RuntimeError where a mission broke its contract; a defect, not a user's mistake."""
+def _checked(
+    spec: StudySpec, found: Mapping[str, np.ndarray], jobs: np.ndarray, place: str
+) -> dict[str, np.ndarray]:
+    """The columns as arrays of numpy.
+
+    Raises:
+        RuntimeError: a mission broke its contract; a defect, not a user's mistake.
+    """
+    wanted = ["status", *(metric.name for metric in spec.mission.metrics)]
+    missing = [name for name in wanted if name not in found]
+    if missing:
+        raise RuntimeError(f"{place}: the mission returned no column {missing[0]!r}")
+    columns = {name: np.asarray(found[name]) for name in wanted}
+    for name, column in columns.items():
+        if column.shape != jobs.shape:
+            raise RuntimeError(
+                f"{place}: the column {name!r} has shape {column.shape}; wanted {jobs.shape}"
+            )
     status = columns["status"]
     unfinished = ~np.isin(status, [int(s) for s in spec.mission.endings])
     if unfinished.any():
@@ -332,3 +345,4 @@ def _check_columns(
         bad = np.isnan(columns[metric.name]) & (status == int(spec.mission.endings[0]))
         if bad.any():
             raise RuntimeError(f"job {jobs[bad.argmax()]} of {place}: {metric.name} is NaN")
+    return columns

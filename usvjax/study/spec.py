@@ -1,9 +1,8 @@
 """What a study is: the TOML file, checked and resolved into conditions.
 
 A study file has top-level keys (`StudyFile`), the tables of its mission, and what varies:
-`[[conditions]]` lists combinations one by
-one, `[axes]` lists values whose cross product is taken. Both may be given; then every
-listed combination is crossed with the axes.
+`[[conditions]]` lists combinations one by one, `[axes]` lists values whose cross product is taken.
+Both may be given; then every listed combination is crossed with the axes.
 """
 
 import hashlib
@@ -34,7 +33,7 @@ from usvjax.tables import MAX_NESTED, check_plain, read_table
 MAX_EPISODES = 2**31 - 1
 MAX_SEED = 2**32 - 1
 MAX_SHARD = 1_000_000
-"""Episodes that are in memory at once; on the lattice they take some gigabytes."""
+"""Episodes that are in memory at once, which may take some gigabytes."""
 MAX_SHARDS = 1_000_000
 """Shards of a condition: a file each, and a place in the queue of what is to be run."""
 
@@ -223,8 +222,8 @@ def parse_spec(
         most = case.most_jobs
         if most is not None and top.episodes > most:
             raise BadInputError(
-                f"{where}: 'episodes' must be at most {most}, the queries of the file that "
-                f"[maps] names, got {top.episodes}"
+                f"{where}: 'episodes' must be at most {most}, as many as the study's files "
+                f"hold, got {top.episodes}"
             )
         for method in methods:
             if method in case.refusals:

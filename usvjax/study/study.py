@@ -52,7 +52,7 @@ def run_study(
     spec = study if isinstance(study, StudySpec) else load_spec(study)
     workers = pick_devices(devices)
     path = Path(out) / spec.name
-    code = code_digest(spec.mission)
+    code = code_digest(spec.mission, spec.plugin.path if spec.plugin else None)
     with RunDirectory.open(path, spec.canonical(), spec.hash, code) as run:
         progress = run_episodes(spec, run, devices=workers, listener=listener)
         summary = summarise(spec, run, progress)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import inspect
+import json
 import math
 import re
 import textwrap
@@ -15,8 +16,7 @@ from usvjax.study.spec import StudyFile
 
 _WIDTH = 98
 _ENTRY = re.compile(r" {4}(\w+(?:, \w+)*): (.*)")
-_EXAMPLES: dict[str, Any] = {"map": "hongze-250", "scen": "my.scen", "episodes": 1000}
-"""For keys that have no default."""
+_EPISODES = 1000
 
 
 def template(kind: str, mission: Mission, plugin: str | None = None) -> str:
@@ -27,7 +27,7 @@ def template(kind: str, mission: Mission, plugin: str | None = None) -> str:
         mission: of that kind.
         plugin: the file that it is from, if it is a user's own.
     """
-    head = {"name": f"my_{kind}", "kind": kind, "episodes": _EXAMPLES["episodes"]}
+    head = {"name": f"my_{kind}", "kind": kind, "episodes": _EPISODES}
     if plugin is not None:
         head["plugin"] = plugin
     lines = [
@@ -79,15 +79,15 @@ def _table(table: Table) -> Iterator[str]:
             words = (classes[0].__doc__ or "").partition("\n")[0]
             yield from ("", *_comment(f'With {table.choice} = "{kind}": {words}'))
         for cls in classes:
-            yield from _fields(cls, table.without, needed_given=kind == table.default)
+            yield from _fields(cls, table, needed_given=kind == table.default)
 
 
-def _fields(cls: type, without: tuple[str, ...], needed_given: bool) -> Iterator[str]:
+def _fields(cls: type, table: Table, needed_given: bool) -> Iterator[str]:
     meanings = _meanings(cls)
     for field in dataclasses.fields(cls):
-        if field.name not in without:
+        if field.name not in table.without:
             needed = field.default is dataclasses.MISSING
-            value = _EXAMPLES.get(field.name) if needed else field.default
+            value = table.examples.get(field.name) if needed else field.default
             yield from _key(field.name, meanings[field.name], value, needed and needed_given)
 
 
@@ -95,7 +95,7 @@ def _key(name: str, text: str, value: Any, given: bool) -> Iterator[str]:
     """Lines of one key: what it means, and its value, commented out where it is the default."""
     yield ""
     yield from _comment(text)
-    if value is None:
+    if value is None or value == ():
         yield f"# {name} ="
     else:
         yield f"{'' if given else '# '}{name} = {toml(value)}"
@@ -114,7 +114,7 @@ def toml(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
-        return f'"{value}"'
+        return json.dumps(value, ensure_ascii=False)
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(toml, value))}]"
     if isinstance(value, float) and not math.isfinite(value):

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import jax.numpy as jnp
@@ -11,8 +10,8 @@ import pytest
 from navigate_episodes import PARAMS, STATIC, B, assert_same, sail, waters
 
 import usvjax as uj
-from usvjax.mission import Prepared
-from usvjax.missions.dwa.mission import DwaWorkload
+from usvjax.mission import Case, Files
+from usvjax.missions.dwa.mission import MISSION
 from usvjax.missions.dwa.run import NavigateResult
 from usvkernels.vessel import PLANTS, unicycle_step
 
@@ -166,15 +165,15 @@ def test_what_is_no_plant(plant: Callable[..., Any], error: type[Exception], mes
     assert "\n" not in str(caught.value)
 
 
-def prepared(static: dict[str, Any]) -> Prepared:
-    return DwaWorkload().prepare({"maps": {}, "params": {}, "static": static}, Path(), "a.toml")
+def case_of(static: dict[str, Any]) -> Case:
+    return MISSION.case({"maps": {}, "params": {}, "static": static}, Files(where="a.toml"))
 
 
 def test_a_study_names_its_plant() -> None:
-    found = prepared({"plant": "heading_first"})
-    assert found.payload.static.plant == "heading_first"
+    found = case_of({"plant": "heading_first"})
+    assert found.given.static.plant == "heading_first"
     assert json.loads(json.dumps(found.settings))["static"]["plant"] == "heading_first"
-    assert prepared({}).settings["static"]["plant"] == "unicycle"
+    assert case_of({}).settings["static"]["plant"] == "unicycle"
 
 
 @pytest.mark.parametrize(
@@ -189,4 +188,4 @@ def test_a_study_knows_plants_by_name_only(
     static: dict[str, Any], error: type[Exception], message: str
 ) -> None:
     with pytest.raises(error, match=rf"a\.toml: .*{message}"):
-        prepared(static)
+        case_of(static)

@@ -128,16 +128,6 @@ def test_a_grid_route_turns_by_45_degrees_a_whole_number_of_times(rows):
     assert (steps >= row["turns"][there] - 1e-6).all()
 
 
-@pytest.mark.parametrize("method", ["smoothed", "bspline"])
-def test_a_route_is_the_same_alone_as_among_others(spec, rows, method):
-    some = np.array([3, 17])
-    alone = study_rows(spec, method, some)
-    for name, values in rows[method].items():
-        np.testing.assert_array_equal(
-            np.float32(values[some]), np.float32(alone[name]), err_msg=name
-        )
-
-
 def test_a_bound_on_expansions_ends_a_search_and_spoils_no_ratio(spec):
     bounded = parse_spec(route_study(search={"max_expansions": 12}))
     run = study_rows(bounded, "astar", JOBS)

@@ -54,7 +54,13 @@ class CruiseMission:
 
     tables = MappingProxyType(
         {
-            "maps": Table("where cruises take place", _SOURCES, choice="source", default="random"),
+            "maps": Table(
+                "where cruises take place",
+                _SOURCES,
+                choice="source",
+                default="random",
+                examples={"map": "hongze-250"},
+            ),
             "cruise": Table(
                 "what happens under way",
                 {"": (CruiseParams, CruiseStatic)},

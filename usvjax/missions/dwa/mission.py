@@ -32,7 +32,7 @@ from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
 from usvjax.missions.dwa.scenes import ChartSource, ChartTable, DiscTable, LatticeTable, Source
 from usvjax.presets import preset, preset_names
 from usvjax.sections import Table
-from usvjax.tables import check_keys, read_values
+from usvjax.tables import check_keys, field_names, read_values
 from usvkernels.status import EPISODE_ENDINGS
 
 DEFAULT_PRESET = "tan2022"
@@ -50,7 +50,11 @@ class DwaMission:
     tables = MappingProxyType(
         {
             "maps": Table(
-                "where episodes take place", _SOURCES, choice="source", default="lattice"
+                "where episodes take place",
+                _SOURCES,
+                choice="source",
+                default="lattice",
+                examples={"map": "hongze-125"},
             ),
             "params": Table(
                 "numbers of the method and of the vessel",
@@ -167,6 +171,7 @@ def _read_method(
     numbers = {k: v for k, v in params_table.items() if k != "preset"}
     if "method" in static_table:
         raise BadInputError(f"{in_static}: list methods in 'methods', not in 'method'")
+    check_keys(static_table, [n for n in field_names(DwaStatic) if n != "method"], in_static)
     with saying_where(files.where):
         base = preset(name)
         params = replace(base.params, **read_values(DwaParams, numbers, in_params))

@@ -65,7 +65,13 @@ class RouteMission:
 
     tables = MappingProxyType(
         {
-            "maps": Table("where routes are sought", _SOURCES, choice="source", default="random"),
+            "maps": Table(
+                "where routes are sought",
+                _SOURCES,
+                choice="source",
+                default="random",
+                examples={"map": "hongze-250", "scen": "my.scen"},
+            ),
             "search": Table("settings of the searches", {"": SearchOptions}),
             "smoothing": Table("what is done to their paths", {"": SmoothingOptions}),
         }
