@@ -20,7 +20,7 @@ from usvjax.plots.chart import detail, plot_chart
 from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.examples import middle_job, spread_jobs
 from usvjax.plots.film import Film
-from usvjax.plots.paths import Outcome, plot_paths
+from usvjax.plots.paths import Ending, plot_paths
 from usvjax.plots.rates import plot_success
 from usvjax.study import Run
 
@@ -137,15 +137,15 @@ def _example(run: Run, replay: Replay, condition: int) -> Figure:
         {m: r.recording.tracks[0].places[:, 0] for m, r in found.items()},
         posed.scenes.starts[0],
         posed.scenes.goals[0],
-        outcomes={m: _outcome(r.recording.detail) for m, r in found.items()},
+        endings={m: _ending(r.recording.detail) for m, r in found.items()},
         goal_tolerance=float(posed.params.goal_tolerance),
         title=f"{run.labels[condition]}, job {job}\n({why})",
     )
 
 
-def _outcome(result: NavigateResult) -> Outcome:
+def _ending(result: NavigateResult) -> Ending:
     """How the first episode ended."""
-    return Outcome(
+    return Ending(
         status=int(result.status[0]),
         time=float(result.time[0]),
         path_length=float(result.path_length[0]),
