@@ -118,10 +118,8 @@ class Drift:
         marks = {"start": np.zeros((1, 2)), "goal": np.full((1, 2), scene.waters.size)}
         grounds = [Ground(None, rocks, scene.waters.radius, marks) for rocks in scene.rocks]
         time = DT * np.arange(STEPS + 1)
-        tracks = [
-            Track(time[: n + 1], "s", place[: n + 1, None])
-            for n, place in zip(steps, places, strict=True)
-        ]
+        told = zip(steps + 1, places, strict=True)
+        tracks = [Track(time[:n], "s", place[:n, None]) for n, place in told]
         return Recording(tuple(grounds), tuple(tracks), None)
 
     def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
@@ -132,7 +130,8 @@ class Drift:
         """How episodes ended, and one under both methods."""
         from usvjax.plots import plot_paths, plot_success
 
-        yield "success", plot_success(run.table(), labels=run.labels, title=run.name)
+        given = {"labels": run.labels, "endings": self.endings, "methods": run.methods}
+        yield "success", plot_success(run.table(), title=run.name, **given)
         found = {m: replay(0, m, [replay.example(0)[0]]).recording for m in run.methods}
         tracks = {method: recording.tracks[0].places[:, 0] for method, recording in found.items()}
         ground = found[run.methods[0]].grounds[0]

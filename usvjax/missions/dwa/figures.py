@@ -23,6 +23,7 @@ from usvjax.plots.film import Film
 from usvjax.plots.paths import Ending, plot_paths
 from usvjax.plots.rates import plot_success
 from usvjax.study import Run
+from usvkernels.status import EPISODE_ENDINGS
 
 MOST_CONDITIONS = 24
 """Conditions of one figure; a study with more has several of its kind."""
@@ -77,6 +78,8 @@ def _success(run: Run, table: pl.DataFrame) -> Figure:
         rate={c: s["maps"]["rate"] for c, s in settings if "rate" in s["maps"]},
         labels=run.labels,
         confidence=run.level,
+        endings=EPISODE_ENDINGS,
+        methods=run.methods,
         title=run.name,
     )
 
