@@ -178,6 +178,16 @@ def test_success_has_a_row_per_ending_and_a_column_per_obstacle_rate():
     assert_inside(fig)
 
 
+@pytest.mark.parametrize("draw", [plots.plot_success, plots.plot_distributions])
+def test_a_legend_shows_that_a_line_is_broken(draw):
+    (legend,) = draw(make_table()).legends
+    line = legend.get_lines()[0]
+    assert line.is_dashed()
+    length = np.ptp(line.get_xdata())
+    # A dash and a gap, 3.7 and 1.6 times the width of the line, are seen at each side of the mark.
+    assert 0.5 * (length - line.get_markersize()) > (3.7 + 1.6) * line.get_linewidth()
+
+
 @pytest.mark.parametrize("conditions", [1, 4, 9])
 def test_success_of_conditions_that_form_no_grid_stand_under_their_labels(conditions):
     labels = {c: f"clearance cap {c} m" for c in range(conditions)}
