@@ -117,11 +117,8 @@ class Drift:
     def _recorded(self, scene: Scene, places: np.ndarray, steps: np.ndarray) -> Recording:
         marks = {"start": np.zeros((1, 2)), "goal": np.full((1, 2), scene.waters.size)}
         grounds = [Ground(None, rocks, scene.waters.radius, marks) for rocks in scene.rocks]
-        time = DT * np.arange(STEPS + 1)
-        tracks = [
-            Track(time[: n + 1], "s", place[: n + 1, None])
-            for n, place in zip(steps, places, strict=True)
-        ]
+        told = zip(steps + 1, places, strict=True)
+        tracks = [Track(DT * np.arange(n), "s", place[:n, None]) for n, place in told]
         return Recording(tuple(grounds), tuple(tracks), None)
 
     def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
@@ -129,15 +126,18 @@ class Drift:
         return int(rows["job"].min()), "the first"
 
     def figures(self, run: Any, replay: Replay) -> Iterator[tuple[str, Any]]:
-        """How episodes ended, and one under both methods."""
+        """How episodes ended, and one of the last condition under all methods."""
         from usvjax.plots import plot_paths, plot_success
 
-        yield "success", plot_success(run.table(), labels=run.labels, title=run.name)
-        found = {m: replay(0, m, [replay.example(0)[0]]).recording for m in run.methods}
+        given = {"labels": run.labels, "endings": self.endings, "methods": run.methods}
+        yield "success", plot_success(run.table(), title=run.name, **given)
+        job, _ = replay.example(last := run.table()["condition"].max())
+        found = {m: replay(last, m, [job]).recording for m in run.methods}
         tracks = {method: recording.tracks[0].places[:, 0] for method, recording in found.items()}
         ground = found[run.methods[0]].grounds[0]
         ends = (point for (point,) in ground.marks.values())
-        yield "paths", plot_paths(ground.circles, ground.radius, tracks, *ends, title=run.name)
+        title = f"{run.labels[last]}, job {job}"
+        yield "paths", plot_paths(ground.circles, ground.radius, tracks, *ends, title=title)
 
     def film(self, replayed: Replayed, row: int) -> Any:
         """The vessel on its way."""

@@ -47,7 +47,7 @@ def draw_maps(shown: Sequence[Shown], results: Results, name: str, folder: Path)
             trajectories,
             trajectories["improved"][0, :2],
             some_run.source.goal,  # type: ignore[attr-defined]
-            outcomes={m: _outcome(results[run], entry.job) for m, run in entry.runs.items()},
+            endings={m: _ending(results[run], entry.job) for m, run in entry.runs.items()},
             goal_tolerance=float(some_run.params.goal_tolerance),
             title=f"As Fig. {entry.figure}: rate {entry.case.rate:g}, map {entry.job}, {name}",
         )
@@ -56,8 +56,8 @@ def draw_maps(shown: Sequence[Shown], results: Results, name: str, folder: Path)
     return files
 
 
-def _outcome(episodes: Episodes, job: int) -> plots.Outcome:
-    return plots.Outcome(
+def _ending(episodes: Episodes, job: int) -> plots.Ending:
+    return plots.Ending(
         status=int(episodes.status[job]),
         time=float(episodes.time[job]),
         path_length=float(episodes.path_length[job]),

@@ -38,12 +38,12 @@ def draw_paths(**changes):
     return plots.plot_paths(**{**arguments, **changes})
 
 
-def test_paths_show_both_methods_on_one_map_with_outcomes():
-    outcomes = {
-        "traditional": plots.Outcome(Status.COLLIDED, 61.62, 16.86),
-        "improved": plots.Outcome(Status.REACHED, 36.24, 14.69),
+def test_paths_show_both_methods_on_one_map_with_endings():
+    endings = {
+        "traditional": plots.Ending(Status.COLLIDED, 61.62, 16.86),
+        "improved": plots.Ending(Status.REACHED, 36.24, 14.69),
     }
-    fig = draw_paths(outcomes=outcomes, goal_tolerance=0.5, title="radius 0.5 m")
+    fig = draw_paths(endings=endings, goal_tolerance=0.5, title="radius 0.5 m")
     (ax,) = fig.axes
     assert ax.get_aspect() == 1.0
     assert_labelled(ax)
@@ -62,7 +62,7 @@ def test_paths_show_both_methods_on_one_map_with_outcomes():
     assert_inside(fig)
 
 
-def test_paths_without_outcomes_say_the_length_drawn():
+def test_paths_without_endings_say_the_length_drawn():
     fig = draw_paths(trajectories={"improved": LINE})
     assert legend_texts(fig)[-1] == "improved: 14.14 m"
 
@@ -92,8 +92,8 @@ def test_paths_without_any_obstacle_have_no_entry_for_them():
         ({"obstacles": OBSTACLES[0]}, r"obstacles has shape \(2,\)"),
         ({"radius": -0.1}, "radius is -0.1"),
         ({"radius": np.nan}, "radius is nan"),
-        ({"outcomes": {"other": plots.Outcome(1, 1.0, 1.0)}}, "outcomes names 'other'"),
-        ({"outcomes": {"improved": plots.Outcome(9, 1.0, 1.0)}}, "status is 9"),
+        ({"endings": {"other": plots.Ending(1, 1.0, 1.0)}}, "endings names 'other'"),
+        ({"endings": {"improved": plots.Ending(9, 1.0, 1.0)}}, "status is 9"),
     ],
 )
 def test_paths_refuse(changes, message):

@@ -14,6 +14,7 @@ import usvjax.missions.dwa.looks  # noqa: F401
 from usvjax import plots
 from usvjax.errors import BadInputError
 from usvjax.plots import style
+from usvkernels.status import Status
 
 
 def make_table(conditions=3, jobs=60, methods=("traditional", "improved"), seed=0):
@@ -177,6 +178,16 @@ def test_success_has_a_row_per_ending_and_a_column_per_obstacle_rate():
     assert_inside(fig)
 
 
+@pytest.mark.parametrize("draw", [plots.plot_success, plots.plot_distributions])
+def test_a_legend_shows_that_a_line_is_broken(draw):
+    (legend,) = draw(make_table()).legends
+    line = legend.get_lines()[0]
+    assert line.is_dashed()
+    length = np.ptp(line.get_xdata())
+    # A dash and a gap, 3.7 and 1.6 times the width of the line, are seen at each side of the mark.
+    assert 0.5 * (length - line.get_markersize()) > (3.7 + 1.6) * line.get_linewidth()
+
+
 @pytest.mark.parametrize("conditions", [1, 4, 9])
 def test_success_of_conditions_that_form_no_grid_stand_under_their_labels(conditions):
     labels = {c: f"clearance cap {c} m" for c in range(conditions)}
@@ -202,3 +213,47 @@ def test_success_refuses():
         plots.plot_success(table.clear())
     with pytest.raises(BadInputError, match="status is 7"):
         plots.plot_success(table.with_columns(status=pl.lit(7)))
+
+
+def test_success_draws_the_endings_of_the_mission_only():
+    endings = (Status.FOUND, Status.UNREACHABLE, Status.OUT_OF_BUDGET)
+    table = make_table(conditions=2).with_columns(
+        status=pl.when(pl.col("job") < 45).then(int(Status.FOUND)).otherwise(int(endings[1]))
+    )
+    fig = plots.plot_success(table, endings=endings)
+    names = ["found (%)", "unreachable (%)", "out of budget (%)"]
+    assert [ax.get_ylabel() for ax in fig.axes] == names
+    for ax, share in zip(fig.axes, (0.75, 0.25, 0.0), strict=True):
+        values = np.concatenate([bar.lines[0].get_ydata() for bar in ax.containers])
+        np.testing.assert_allclose(values, share)
+    # Nothing stands below the second: its conditions are named although its row is not the last.
+    assert [ax.get_xlabel() for ax in fig.axes] == ["", "condition", "condition"]
+    labelled = [ax.xaxis.get_tick_params()["labelbottom"] for ax in fig.axes]
+    assert labelled == [False, True, True]
+    assert_inside(fig)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+@pytest.mark.parametrize("conditions", [2, 12])
+def test_success_of_any_number_of_endings(count, conditions):
+    endings = list(Status)[1 : count + 1]
+    fig = plots.plot_success(make_table(conditions=conditions), endings=endings)
+    assert len(fig.axes) == count
+    assert_inside(fig)
+
+
+def test_success_shows_methods_in_the_order_of_the_study():
+    table = make_table(methods=("allowed", "field", "zigzag"))
+    assert legend_texts(plots.plot_success(table)) == ["allowed", "field", "zigzag"]
+    order = ["zigzag", "field", "never run"]
+    fig = plots.plot_success(table, methods=order)
+    assert legend_texts(fig) == order[:2]
+    first, second = (bar.lines[0].get_xdata() for bar in fig.axes[0].containers)
+    assert (first < second).all()
+
+
+def test_success_refuses_what_it_cannot_draw():
+    with pytest.raises(BadInputError, match="endings is empty"):
+        plots.plot_success(make_table(), endings=())
+    with pytest.raises(BadInputError, match=r"methods is \['other'\]; the table has traditional"):
+        plots.plot_success(make_table(), methods=["other"])

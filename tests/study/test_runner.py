@@ -15,6 +15,7 @@ from usvjax.devices import chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.mission import Outcome
 from usvjax.study import load_run, parse_spec, run_study
+from usvjax.study.figures import figures_for_run
 from usvjax.study.report import terminal
 from usvjax.study.runner import StudyStoppedError, pick_devices, unit_jobs
 from usvjax.study.store import Unit
@@ -54,6 +55,12 @@ def test_table_has_one_row_per_condition_job_and_method(finished):
     assert table.height == 2 * 250 * 2
     assert table.select("condition", "job", "method").n_unique() == table.height
     assert sorted(table["job"].unique()) == list(range(250))
+
+
+def test_a_table_among_the_figures_is_written_as_the_mission_gives_it(finished):
+    (file,) = figures_for_run(finished.path)
+    table = load_run(finished.path).table().select("job", "time")
+    assert pl.read_csv(file, schema=table.schema).equals(table)
 
 
 def test_summary_agrees_with_the_table(finished):

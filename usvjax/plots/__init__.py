@@ -8,14 +8,14 @@ from usvjax.plots.chart import plot_chart
 from usvjax.plots.curvature import Bends, bends_of, plot_curvature
 from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.map_sheet import plot_map
-from usvjax.plots.paths import Outcome, plot_paths
+from usvjax.plots.paths import Ending, plot_paths
 from usvjax.plots.rates import plot_success, wilson_rates
 from usvjax.plots.route import plot_route_chart, plot_routes
 from usvjax.plots.style import save
 
 __all__ = [
     "Bends",
-    "Outcome",
+    "Ending",
     "bends_of",
     "both_reached",
     "plot_chart",

@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Ending:
     """How one episode ended, for a legend.
 
     Attributes:
@@ -39,7 +39,7 @@ def plot_paths(
     start: ArrayLike,
     goal: ArrayLike,
     *,
-    outcomes: Mapping[str, Outcome] | None = None,
+    endings: Mapping[str, Ending] | None = None,
     goal_tolerance: float | None = None,
     title: str | None = None,
 ) -> Figure:
@@ -53,7 +53,7 @@ def plot_paths(
             in m; rows with NaN are padding.
         start: float[2 or more], (x, y, ...) in m.
         goal: float[2], (x, y) in m.
-        outcomes: method name to its outcome, said in the legend; without it the legend gives
+        endings: method name to how it ended, said in the legend; without it the legend gives
             the length that is drawn.
         goal_tolerance: radius of the goal's circle, m; None draws no circle.
         title: title of the axes.
@@ -63,11 +63,11 @@ def plot_paths(
 
     Raises:
         BadInputError: no trajectory, one without a finite point, a wrong shape, a negative
-            radius, or an outcome for a method that has no trajectory.
+            radius, or an ending for a method that has no trajectory.
     """
     centres = clean_points(obstacles, "obstacles")
     tracks = {name: clean_track(track, name) for name, track in trajectories.items()}
-    _check(radius, tracks, outcomes or {})
+    _check(radius, tracks, endings or {})
     begin, end = (np.asarray(point, dtype=float)[:2] for point in (start, goal))
 
     fig = style.new_figure(style.SINGLE_MM, style.SINGLE_MM * 1.12 + 5 * len(tracks))
@@ -81,7 +81,7 @@ def plot_paths(
         colour, line, marker = looks[name]
         ax.plot(*track.T, color=colour, linestyle=line, zorder=looks[name].zorder)
         ax.plot(*track[-1], color=colour, marker=marker, markersize=4, zorder=4)
-        label = _legend_text(name, track, (outcomes or {}).get(name))
+        label = _legend_text(name, track, (endings or {}).get(name))
         handles.append(style.method_handle(looks[name], label))
     handles[:0] = draw_ends(ax, begin, end, goal_tolerance)
     ax.set(xlim=limits[0], ylim=limits[1], title=title or "")
@@ -90,17 +90,15 @@ def plot_paths(
     return style.settle(fig)
 
 
-def _check(
-    radius: float, tracks: Mapping[str, FloatArray], outcomes: Mapping[str, Outcome]
-) -> None:
+def _check(radius: float, tracks: Mapping[str, FloatArray], endings: Mapping[str, Ending]) -> None:
     if not tracks:
         raise BadInputError("trajectories is empty; at least one method was wanted")
     if not (np.isfinite(radius) and radius >= 0):
         raise BadInputError(f"radius is {radius}; a finite number >= 0 (m) was wanted")
-    for name in outcomes:
+    for name in endings:
         if name not in tracks:
             known = ", ".join(tracks)
-            raise BadInputError(f"outcomes names {name!r}, trajectories only {known}")
+            raise BadInputError(f"endings names {name!r}, trajectories only {known}")
 
 
 def clean_points(points: ArrayLike, name: str) -> FloatArray:
@@ -270,9 +268,9 @@ def draw_ends(
     return handles
 
 
-def _legend_text(name: str, track: FloatArray, outcome: Outcome | None) -> str:
-    if outcome is None:
+def _legend_text(name: str, track: FloatArray, ending: Ending | None) -> str:
+    if ending is None:
         length = float(np.hypot(*np.diff(track, axis=0).T).sum())
         return f"{name}: {length:.2f} m"
-    ending = style.status_name(outcome.status)
-    return f"{name}: {ending}, {outcome.time:.1f} s, {outcome.path_length:.2f} m"
+    how = style.status_name(ending.status)
+    return f"{name}: {how}, {ending.time:.1f} s, {ending.path_length:.2f} m"

@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 from usvjax.errors import BadInputError
 from usvjax.plots import style
 from usvjax.statistics import wilson
-from usvkernels.status import Status
+from usvkernels.status import EPISODE_ENDINGS, Status
 
-ENDINGS = (Status.REACHED, Status.COLLIDED, Status.STUCK, Status.TIMED_OUT)
 CONFIDENCE = 0.95
 MOST_FOLDED = 10
 """With more places on x than this, axes take the whole width."""
@@ -26,20 +25,29 @@ _NEEDED = {
 }
 
 
-def wilson_rates(table: pl.DataFrame, *, confidence: float = CONFIDENCE) -> pl.DataFrame:
+def wilson_rates(
+    table: pl.DataFrame,
+    *,
+    confidence: float = CONFIDENCE,
+    endings: Sequence[Status] = EPISODE_ENDINGS,
+) -> pl.DataFrame:
     """Rates of every ending per condition and method, with Wilson's score interval.
 
     Args:
         table: one row per episode with columns condition, method and status.
         confidence: coverage of the interval.
+        endings: those to count.
 
     Returns:
         A table with columns condition, method, status, k, n, rate, low, high: one row per
         condition, method and ending, endings that never happened included.
 
     Raises:
-        BadInputError: a column is missing, the table is empty, or a status is unknown.
+        BadInputError: a column is missing, the table or `endings` is empty, or a status is
+            unknown.
     """
+    if not endings:
+        raise BadInputError("endings is empty; at least one status was wanted")
     style.require_columns(table.columns, _NEEDED)
     if table.is_empty():
         raise BadInputError("table is empty; at least one episode was wanted")
@@ -48,7 +56,7 @@ def wilson_rates(table: pl.DataFrame, *, confidence: float = CONFIDENCE) -> pl.D
     rows: list[dict[str, Any]] = []
     for (condition, method), group in table.group_by("condition", "method", maintain_order=True):
         n = len(group)
-        for status in ENDINGS:
+        for status in endings:
             k = int((group["status"] == int(status)).sum())
             share = wilson(k, n, confidence)
             rows.append(
@@ -79,7 +87,7 @@ class _Layout:
 
     @property
     def is_folded(self) -> bool:
-        """Whether the four endings stand two by two rather than one above the other."""
+        """Whether endings stand in pairs side by side rather than one above the other."""
         return len(self.column_titles) == 1 and len(self.ticks) <= MOST_FOLDED
 
     @property
@@ -96,6 +104,8 @@ def plot_success(
     rate: Mapping[int, float] | None = None,
     labels: Mapping[int, str] | None = None,
     confidence: float = CONFIDENCE,
+    endings: Sequence[Status] = EPISODE_ENDINGS,
+    methods: Sequence[str] | None = None,
     title: str | None = None,
 ) -> Figure:
     """Draw the rate of every ending, one row of axes each, with Wilson intervals.
@@ -109,25 +119,28 @@ def plot_success(
         rate: condition number to obstacle rate (share of cells), 1.
         labels: condition number to its label, used where radius and rate do not form a grid.
         confidence: coverage of every single interval.
+        endings: those to draw, in this order.
+        methods: those to draw, in this order, where they have rows; by default all.
         title: title of the figure.
 
     Returns:
         The figure, 170 mm wide.
 
     Raises:
-        BadInputError: as `wilson_rates`.
+        BadInputError: as `wilson_rates`, or none of `methods` has rows.
     """
-    rates = wilson_rates(table, confidence=confidence)
+    rates = wilson_rates(table, confidence=confidence, endings=endings)
+    shown = _shown(rates["method"].to_list(), methods)
+    rates = rates.filter(pl.col("method").is_in(shown))
     conditions = rates["condition"].unique().sort().to_list()
     layout = _layout(conditions, radius or {}, rate or {}, labels or {})
-    methods = style.ordered_methods(rates["method"].to_list())
-    fig, axes = _grid(layout)
-    for row, status in enumerate(ENDINGS):
+    fig, axes = _grid(layout, len(endings))
+    for row, status in enumerate(endings):
         chosen = rates.filter(pl.col("status") == int(status))
         for column, name in enumerate(layout.column_titles):
             inside = [c for c in conditions if layout.column[c] == column]
             part = chosen.filter(pl.col("condition").is_in(inside))
-            _draw_rates(axes[row, column], part, layout, methods)
+            _draw_rates(axes[row, column], part, layout, shown)
             if row == 0 and len(layout.column_titles) > 1:
                 axes[row, column].set_title(name)
         axes[row, 0].set_ylabel(f"{style.STATUS_LABEL[status]} (%)")
@@ -138,20 +151,43 @@ def plot_success(
     head = "".join(f"{words}: " for words in (title, alone) if words)
     bars = f"bars: {100 * confidence:.4g} % Wilson intervals"
     fig.suptitle(f"{head}endings of {episodes} episodes per point\n({bars})")
-    looks = style.method_looks(methods)
+    looks = style.method_looks(shown)
     handles = [style.method_handle(look, name) for name, look in looks.items()]
     style.outside_legend(fig, handles, columns=len(handles))
     return style.settle(fig)
 
 
-def _grid(layout: _Layout) -> tuple[Figure, Any]:
+def _shown(there: Sequence[str], methods: Sequence[str] | None) -> list[str]:
+    """The methods to draw, in their order."""
+    if methods is None:
+        return style.ordered_methods(there)
+    shown = [name for name in methods if name in there]
+    if not shown:
+        known = ", ".join(style.ordered_methods(there))
+        raise BadInputError(f"methods is {list(methods)}; the table has {known}")
+    return shown
+
+
+def _grid(layout: _Layout, endings: int) -> tuple[Figure, Any]:
     """Return a figure and its axes[ending, column]; a short single column is folded in two."""
     columns = len(layout.column_titles)
     if layout.is_folded:
-        fig = style.new_figure(style.DOUBLE_MM, 115)
-        return fig, fig.subplots(2, 2, sharex=True).reshape(len(ENDINGS), 1)
-    fig = style.new_figure(style.DOUBLE_MM, 165 if layout.joined else 190)
-    return fig, fig.subplots(len(ENDINGS), columns, squeeze=False, sharex=True, sharey="row")
+        rows = -(-endings // 2)
+        fig = style.new_figure(style.DOUBLE_MM, 25 + 45 * rows)
+        axes = fig.subplots(rows, 2, squeeze=False, sharex=True).reshape(2 * rows, 1)
+        for ax in axes[endings:, 0]:
+            ax.remove()
+        axes = axes[:endings]
+        lowest = axes[-2:, 0]
+    else:
+        fig = style.new_figure(style.DOUBLE_MM, (25 if layout.joined else 50) + 35 * endings)
+        axes = fig.subplots(endings, columns, squeeze=False, sharex=True, sharey="row")
+        lowest = axes[-1]
+    for ax in lowest:
+        # Where nothing stands below, though it is not the last row.
+        ax.tick_params(labelbottom=True)
+        ax.set_xlabel(layout.x_label)
+    return fig, axes
 
 
 def _layout(
@@ -209,8 +245,6 @@ def _draw_rates(ax: Axes, rates: pl.DataFrame, layout: _Layout, methods: Sequenc
     ax.set_xlim(places[0] - 0.5 * gap, places[-1] + 0.5 * gap)
     names, how = style.tick_names([name for _, name in sorted(layout.ticks)], layout.room)
     ax.set_xticks(places, names, **how)
-    if ax.get_subplotspec().is_last_row():  # type: ignore[union-attr]
-        ax.set_xlabel(layout.x_label)
 
 
 def _percent(axes: Any, most: float) -> None:

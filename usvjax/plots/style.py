@@ -214,7 +214,11 @@ def map_axes(ax: Axes, unit: str = "m") -> None:
 
 def outside_legend(fig: Figure, handles: list[Any], columns: int) -> None:
     """Put one legend below the axes, where it covers no data."""
-    fig.legend(handles=handles, loc="outside lower center", ncols=columns)
+    # A mark hides the middle of its line; only a long one shows beside it that it is broken.
+    lines = [handle for handle in handles if isinstance(handle, Line2D)]
+    long = any(line.is_dashed() and line.get_marker() != "None" for line in lines)
+    length = 4.0 if long else None  # in units of the font size
+    fig.legend(handles=handles, loc="outside lower center", ncols=columns, handlelength=length)
 
 
 def status_name(status: int) -> str:

@@ -63,7 +63,9 @@ def track_film(
     fig, ax, handles = _sheet(places, grid_map, circles, radius, list(marked.values()))
     handles += _draw_marks(ax, marked)
     lines, vessels = _draw_vessels(ax, places.shape[1])
-    style.outside_legend(fig, [*handles, vessels[0]], columns=4)
+    style.outside_legend(fig, [*handles, vessels[0]], columns=2 if grid_map is None else 4)
+    # Made here, in the style of the package; `show` is called outside it.
+    heading = fig.suptitle("")
 
     def show(step: int) -> None:
         if not 0 <= step < len(places):
@@ -72,7 +74,7 @@ def track_film(
             line.set_data(*places[: step + 1, i].T)
             vessel.set_data(*places[step : step + 1, i].T)
         words = f"after {along[step]:,.1f} {unit} of {along[-1]:,.1f} {unit}"
-        fig.suptitle(f"{title}\n{words}" if title else words)
+        heading.set_text(f"{title}\n{words}" if title else words)
 
     show(0)
     # One layout for all frames: quicker, and the axes stand still.
@@ -122,11 +124,13 @@ def _sheet(
 
 
 def _draw_marks(ax: Axes, marks: Mapping[str, FloatArray]) -> list[Line2D]:
-    looks = {"start": ("o", "white"), "home": ("o", "white"), "goal": ("*", style.YELLOW)}
+    """Mark places larger than a vessel, which lies above them and must not hide them."""
+    start, goal = ("o", "white", 6.5), ("*", style.YELLOW, 10.0)
+    looks = {"start": start, "home": start, "goal": goal}
     handles = []
     for name, points in marks.items():
-        marker, fill = looks.get(name, ("s", style.LIGHT_GREY))
-        (mark,) = ax.plot(*points.T, marker, markersize=5.5, zorder=5, label=name)
+        marker, fill, size = looks.get(name, ("s", style.LIGHT_GREY, 6.5))
+        (mark,) = ax.plot(*points.T, marker, markersize=size, zorder=5, label=name)
         mark.set(markerfacecolor=fill, markeredgecolor=style.BLACK, markeredgewidth=0.8)
         handles.append(mark)
     return handles
@@ -138,7 +142,7 @@ def _draw_vessels(ax: Axes, count: int) -> tuple[list[Line2D], list[Line2D]]:
     for i in range(count):
         colour = _COLOURS[i % len(_COLOURS)] if count <= _FEW else style.BLUE
         (line,) = ax.plot([], [], color=colour, linewidth=1.2, zorder=3)
-        (vessel,) = ax.plot([], [], _MARKERS[i % len(_MARKERS)], color=colour, markersize=5)
+        (vessel,) = ax.plot([], [], _MARKERS[i % len(_MARKERS)], color=colour, markersize=4)
         vessel.set(markeredgecolor="white", markeredgewidth=0.7, zorder=6, label="vessel")
         lines.append(line)
         vessels.append(vessel)

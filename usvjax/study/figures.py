@@ -65,4 +65,4 @@ def figures_for_run(
 def _saved(drawn: Figure | pl.DataFrame, path: Path) -> Path:
     if isinstance(drawn, Figure):
         return style.save(drawn, path)
-    return style.write_atomically(path, lambda into: drawn.write_csv(into, float_precision=1))
+    return style.write_atomically(path, drawn.write_csv)

@@ -1,6 +1,7 @@
 """Studies of kind "cruise": what they draw, what they measure, what they refuse."""
 
 import itertools
+import re
 from types import SimpleNamespace
 
 import jax
@@ -200,6 +201,10 @@ def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch
     written = figures_for_run(finished.path, max_examples=1)
     assert {path.name for path in written} == {"methods.png", "cruise-c0.png", "cruise-c0.csv"}
     assert set(drawn) == {"methods.png", "cruise-c0.png"}
+    head, *lines = (finished.path / "figures" / "cruise-c0.csv").read_text().splitlines()
+    assert head.startswith("stop,station,x_m,y_m,status,")
+    numbers = [line.split(",")[2:4] + line.split(",")[5:7] for line in lines]
+    assert all(re.fullmatch(r"-?\d+\.\d", text) for row in numbers for text in row)
     labels = [ax.get_ylabel() for ax in drawn["methods.png"].axes]
     assert labels[1:] == ["length of the cruise (m)", "time (s)", "changes of course"]
     table = load_run(finished.path).table()

@@ -85,7 +85,13 @@ def _example(run: Run, replay: Replay, condition: int) -> tuple[Figure, pl.DataF
         for name in DISTANCES
     }
     figure = _cruise_figure(posed, sailed, legs, f"{head}, {method}, job {job} ({why})")
-    return figure, itinerary(posed, sailed, legs)
+    return figure, _to_decimetres(itinerary(posed, sailed, legs))
+
+
+def _to_decimetres(stops: pl.DataFrame) -> pl.DataFrame:
+    """Round an itinerary to 0.1 m and 0.1 s, each number as it is read rather than ten times it."""
+    rounded = pl.col(pl.Float64).map_elements(lambda x: round(x, 1), return_dtype=pl.Float64)
+    return stops.with_columns(rounded)
 
 
 def _cruise_figure(

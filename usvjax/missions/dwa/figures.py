@@ -20,9 +20,10 @@ from usvjax.plots.chart import detail, plot_chart
 from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.examples import middle_job, spread_jobs
 from usvjax.plots.film import Film
-from usvjax.plots.paths import Outcome, plot_paths
+from usvjax.plots.paths import Ending, plot_paths
 from usvjax.plots.rates import plot_success
 from usvjax.study import Run
+from usvkernels.status import EPISODE_ENDINGS
 
 MOST_CONDITIONS = 24
 """Conditions of one figure; a study with more has several of its kind."""
@@ -77,6 +78,8 @@ def _success(run: Run, table: pl.DataFrame) -> Figure:
         rate={c: s["maps"]["rate"] for c, s in settings if "rate" in s["maps"]},
         labels=run.labels,
         confidence=run.level,
+        endings=EPISODE_ENDINGS,
+        methods=run.methods,
         title=run.name,
     )
 
@@ -137,15 +140,15 @@ def _example(run: Run, replay: Replay, condition: int) -> Figure:
         {m: r.recording.tracks[0].places[:, 0] for m, r in found.items()},
         posed.scenes.starts[0],
         posed.scenes.goals[0],
-        outcomes={m: _outcome(r.recording.detail) for m, r in found.items()},
+        endings={m: _ending(r.recording.detail) for m, r in found.items()},
         goal_tolerance=float(posed.params.goal_tolerance),
         title=f"{run.labels[condition]}, job {job}\n({why})",
     )
 
 
-def _outcome(result: NavigateResult) -> Outcome:
+def _ending(result: NavigateResult) -> Ending:
     """How the first episode ended."""
-    return Outcome(
+    return Ending(
         status=int(result.status[0]),
         time=float(result.time[0]),
         path_length=float(result.path_length[0]),
