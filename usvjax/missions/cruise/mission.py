@@ -27,7 +27,7 @@ from usvjax.missions.cruise.methods import (
     METHODS,
     OPTION_KEYS,
     CruiseCase,
-    Posed,
+    CruisePosed,
     check_options,
     first_map,
     pose,
@@ -88,13 +88,13 @@ class CruiseMission:
         in_force = {"maps": maps, "cruise": options.table()}
         return Case(in_force, inputs, CruiseCase(source, options), refusals=refusals)
 
-    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> list[Posed]:
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> list[CruisePosed]:
         """Draw maps and stations, in parts whose jobs follow one another; see `Mission.pose`."""
         given: CruiseCase = case.given
         parts = np.split(jobs, np.flatnonzero(np.diff(jobs) != 1) + 1)
         return [pose(given.source, given.options, seed, part) for part in parts]
 
-    def run(self, scene: list[Posed], method: str, record: bool = False) -> Outcome:
+    def run(self, scene: list[CruisePosed], method: str, record: bool = False) -> Outcome:
         """Sail cruises; see `Mission.run`."""
         sailed = [sail(posed, method) for posed in scene]
         parts = [
@@ -128,7 +128,7 @@ MISSION = CruiseMission()
 
 
 def _columns(
-    posed: Posed, sailed: CruiseResult, method: str, metrics: tuple[Metric, ...]
+    posed: CruisePosed, sailed: CruiseResult, method: str, metrics: tuple[Metric, ...]
 ) -> dict[str, np.ndarray]:
     """Status and metrics, array[J] each."""
     columns = {
@@ -140,7 +140,7 @@ def _columns(
     return {**columns, **others}
 
 
-def _recorded(scene: list[Posed], sailed: list[CruiseResult]) -> Recording:
+def _recorded(scene: list[CruisePosed], sailed: list[CruiseResult]) -> Recording:
     """The tracks from cell to cell; the detail is the cruises of each part."""
     grounds, tracks = [], []
     for posed, cruises in zip(scene, sailed, strict=True):

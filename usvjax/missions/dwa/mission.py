@@ -24,7 +24,7 @@ from usvjax.mission import (
     Replayed,
     Track,
 )
-from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.inputs import pack_episodes
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa, fit_window
 from usvjax.missions.dwa.posed import DwaCase, DwaPosed
 from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
@@ -148,7 +148,7 @@ def _recorded(scene: DwaPosed, result: NavigateResult) -> Recording:
 def _try_scenes(source: Source, params: DwaParams, static: DwaStatic) -> None:
     """Refuse what `navigate_dwa` would, before a run directory exists."""
     some = source.draw(0, np.arange(2), float(params.radius))
-    set_scene(some.obstacles, some.starts, some.goals, some.valid, params, static, None)
+    pack_episodes(some.obstacles, some.starts, some.goals, some.valid, params, static, None)
 
 
 def _read_method(
