@@ -327,8 +327,8 @@ def test_settings_that_cannot_be_used_are_refused(table, change, words):
     ("change", "words"),
     [
         ({"inflate": -1.0}, "'inflate' must be 0 or more"),
-        ({"min_clearance": 300.0}, "0 cells where a station may be, has no room for 20 stations"),
-        ({"min_clearance": float("nan")}, "'min_clearance' must be 0 or more"),
+        ({"shore_distance": 300.0}, "0 cells where a station may be, has no room for 20 stations"),
+        ({"shore_distance": float("nan")}, "'shore_distance' must be 0 or more"),
         ({"places": [[1075.0, -425.0]]}, "must have 2 to 200 stations"),
         ({"places": [[1075.0, -425.0], [1010.0, -425.0]]}, "(1010, -425) is not on the map's"),
         ({"places": [[1075.0, -425.0], [1.0, 2.0]]}, "(1, 2) is not on the map's water"),
@@ -352,7 +352,7 @@ def test_the_cruise_table_has_the_fields_of_params_and_static():
     (condition,) = parse_spec(cruise_study(cruise={"flip_rate": 1, "max_steps": 9})).conditions
     params, static = CruiseParams(flip_rate=1.0), CruiseStatic(max_steps=9)
     assert condition.case.given.options == CruiseOptions(params, static)
-    assert condition.settings["cruise"] == {
+    assert condition.case.settings["cruise"] == {
         "distances": "straight",
         "flip_rate": 1.0,
         "flip_scope": "window",
