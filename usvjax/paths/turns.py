@@ -60,12 +60,6 @@ class PathPieces:
         return self.start + signed[..., None] * normal
 
     @property
-    def start_angle(self) -> np.ndarray:
-        """float64[B, S], bearing of the start from the centre of an arc, rad; nan on a segment."""
-        quarter = np.where(self.curvature == 0, np.nan, -np.sign(self.curvature) * pi / 2)
-        return self.heading + quarter
-
-    @property
     def end(self) -> np.ndarray:
         """float64[B, S, 2], m."""
         half = self.sweep / 2
