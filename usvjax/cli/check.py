@@ -9,7 +9,7 @@ import tyro
 from rich.console import Console
 
 if TYPE_CHECKING:
-    from usvjax.study.estimate import Estimate
+    from usvjax.study.forecast import Forecast
     from usvjax.study.spec import StudySpec
 
 StudyPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")]
@@ -33,12 +33,12 @@ def check(file: StudyPath, no_trial: Flag = False, as_json: AsJson = False) -> N
         as_json: Print as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.study.estimate import estimate
+    from usvjax.study.forecast import forecast
     from usvjax.study.spec import load_spec
 
     use_compilation_cache()
     spec = load_spec(file)
-    found = None if no_trial else estimate(spec)
+    found = None if no_trial else forecast(spec)
     facts = _facts(spec, found)
     if as_json:
         print(json.dumps(facts))
@@ -46,7 +46,7 @@ def check(file: StudyPath, no_trial: Flag = False, as_json: AsJson = False) -> N
     _print(spec, facts, found)
 
 
-def _facts(spec: "StudySpec", found: "Estimate | None") -> dict[str, Any]:
+def _facts(spec: "StudySpec", found: "Forecast | None") -> dict[str, Any]:
     import jax
 
     methods, conditions = len(spec.methods), len(spec.conditions)
@@ -71,7 +71,7 @@ def _facts(spec: "StudySpec", found: "Estimate | None") -> dict[str, Any]:
     return facts
 
 
-def _print(spec: "StudySpec", facts: dict[str, Any], found: "Estimate | None") -> None:
+def _print(spec: "StudySpec", facts: dict[str, Any], found: "Forecast | None") -> None:
     from usvjax.checks import byte_size
 
     console = Console(highlight=False, markup=False, soft_wrap=True)
