@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.markdown import table
 from benchmarks.timing import in_turns, spread
 from benchmarks.workloads import Workload, heavy_tailed
-from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.inputs import pack_episodes
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvjax.missions.dwa.run import CHUNK, OPTIONS
 from usvkernels import lanes
@@ -57,7 +57,7 @@ def measure(quick: bool) -> dict[str, Any]:
 
 
 def _jobs(work: Workload) -> Jobs:
-    scene = set_scene(
+    scene = pack_episodes(
         work.obstacles, work.starts, work.goals, work.valid, work.params, work.static, None
     )
     return scene.rows(np.arange(len(work)))

@@ -9,6 +9,7 @@ import pytest
 
 import usvjax
 import usvkernels
+from usvjax.exports import HOME
 
 ROOT = Path(__file__).parents[1]
 
@@ -140,3 +141,23 @@ def test_every_public_name_is_there():
     for name in usvjax.__all__:
         assert getattr(usvjax, name) is not None
     assert Path(usvkernels.__file__).is_relative_to(ROOT)
+
+
+def test_type_checkers_see_the_names_that_are_exported():
+    tree = ast.parse((ROOT / "usvjax" / "__init__.py").read_text())
+    (block,) = (
+        node
+        for node in tree.body
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    )
+    seen = defaultdict(set)
+    for node in block.body:
+        assert all(alias.asname == alias.name for alias in node.names), ast.unparse(node)
+        seen[node.module] |= {alias.name for alias in node.names}
+    assert seen == {module: set(names) for module, names in HOME.items()}
+
+
+def test_exports_are_sorted_each_once_and_of_one_home():
+    names = [name for names in HOME.values() for name in names]
+    assert usvjax.__all__ == sorted({*names, "__version__", "register_mission", "use_all_cores"})
+    assert len(names) == len(set(names))

@@ -56,6 +56,8 @@ HOME = {
     "usvkernels.status": ("Status",),
 }
 
+EXPORTED = tuple(name for names in HOME.values() for name in names)
+
 
 def home_of(name: str) -> str:
     """The module where what `usvjax` exports under a name stands; "" for no such name."""

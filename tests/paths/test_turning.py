@@ -93,7 +93,8 @@ def test_pieces_add_up(corners: tuple[CornerScenes, SmoothTurns]) -> None:
     assert np.allclose(pieces.length.sum(axis=1), found.length, rtol=1e-6)
     arcs = pieces.curvature != 0
     assert (pieces.radius[arcs & pieces.valid] >= RADIUS).all()
-    out = np.stack([np.cos(pieces.start_angle), np.sin(pieces.start_angle)], axis=-1)
+    bearing = pieces.heading - np.sign(pieces.curvature) * np.pi / 2
+    out = np.stack([np.cos(bearing), np.sin(bearing)], axis=-1)
     from_centre = pieces.centre + pieces.radius[..., None] * out
     assert np.allclose(from_centre[arcs], pieces.start[arcs], rtol=1e-5, atol=1e-2)
     swept = np.abs(np.where(pieces.valid, pieces.sweep, 0)).sum(axis=1)

@@ -10,11 +10,9 @@ import tyro
 from rich.console import Console
 from rich.progress import Progress
 
-RunPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RUN")]
+from usvjax.cli.episodes import Job, Method, OutFile, RunPath, choose
+
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
-Job = Annotated[int | None, tyro.conf.arg(metavar="N")]
-Method = Annotated[str | None, tyro.conf.arg(metavar="NAME")]
-OutFile = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
 
 
 def animate(
@@ -48,17 +46,12 @@ def animate(
     """
     from usvjax.devices import use_compilation_cache
     from usvjax.plots.film import check_animation, write_film
-    from usvjax.study import load_run
-    from usvjax.study.replay import Replay
 
     use_compilation_cache()
-    replay = Replay(load_run(run), folder)
-    method = replay.run.methods[-1] if method is None else method
-    number = replay.example(condition)[0] if job is None else job
-    name = f"episode-c{condition}-{method}-j{number}.gif"
-    target = run / "figures" / name if out is None else out
+    chosen = choose(run, condition, method, job, folder)
+    target = run / "figures" / f"episode-{chosen.name}.gif" if out is None else out
     check_animation(target, max_frames=max_frames, fps=fps)
-    film = replay.mission.film(replay(condition, method, [number]), 0)
+    film = chosen.replay.mission.film(chosen.again(), 0)
     with _bar(as_json) as progress:
         write_film(film, target, max_frames=max_frames, fps=fps, progress=progress)
     if as_json:

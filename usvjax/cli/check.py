@@ -11,7 +11,7 @@ import tyro
 from rich.console import Console
 
 if TYPE_CHECKING:
-    from usvjax.study.estimate import Estimate
+    from usvjax.study.forecast import Forecast
     from usvjax.study.spec import StudySpec
 
 StudyPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")]
@@ -35,7 +35,7 @@ def check(file: StudyPath, no_trial: Flag = False, as_json: AsJson = False) -> N
         as_json: Print as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.study.estimate import estimate
+    from usvjax.study.forecast import forecast
     from usvjax.study.spec import load_spec
 
     use_compilation_cache()
@@ -45,12 +45,12 @@ def check(file: StudyPath, no_trial: Flag = False, as_json: AsJson = False) -> N
         _print(spec, facts)
     if not no_trial:
         with _waiting(as_json):
-            found = estimate(spec)
+            found = forecast(spec)
         facts["estimate"] = asdict(found)
         shared = min(facts["devices"], facts["shards"])
         facts["estimate"]["wall_seconds"] = found.seconds / shared
         if not as_json:
-            _print_estimate(facts, found, spec.until is not None)
+            _print_forecast(facts, found, spec.until is not None)
     if as_json:
         print(json.dumps(facts))
 
@@ -106,7 +106,7 @@ def _print(spec: "StudySpec", facts: dict[str, Any]) -> None:
         console.print(f"Until      intervals of success rates are at most {spec.until:g} wide")
 
 
-def _print_estimate(facts: dict[str, Any], found: "Estimate", until: bool) -> None:
+def _print_forecast(facts: dict[str, Any], found: "Forecast", until: bool) -> None:
     from usvjax.checks import byte_size
 
     console = Console(highlight=False, markup=False, soft_wrap=True)

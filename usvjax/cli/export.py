@@ -7,11 +7,9 @@ from typing import Annotated
 import tyro
 from rich.console import Console
 
-RunPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RUN")]
+from usvjax.cli.episodes import Job, Method, OutFile, RunPath, choose
+
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
-Job = Annotated[int | None, tyro.conf.arg(metavar="N")]
-Method = Annotated[str | None, tyro.conf.arg(metavar="NAME")]
-OutFile = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
 
 
 def export(
@@ -39,17 +37,12 @@ def export(
         as_json: Print the file written as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache
-    from usvjax.study import load_run
     from usvjax.study.export import write_tracks
-    from usvjax.study.replay import Replay
 
     use_compilation_cache()
-    replay = Replay(load_run(run), folder)
-    method = replay.run.methods[-1] if method is None else method
-    number = replay.example(condition)[0] if job is None else job
-    name = f"track-c{condition}-{method}-j{number}.csv"
-    target = run / "figures" / name if out is None else out
-    write_tracks(replay(condition, method, [number]), target)
+    chosen = choose(run, condition, method, job, folder)
+    target = run / "figures" / f"track-{chosen.name}.csv" if out is None else out
+    write_tracks(chosen.again(), target)
     if as_json:
         print(json.dumps({"run": str(run), "tracks": str(target)}))
         return

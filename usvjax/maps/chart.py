@@ -1,16 +1,47 @@
 """One map that all jobs of a study share: found, refined, inflated, and what its water is."""
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from usvjax.errors import BadInputError, saying_where
 from usvjax.maps.grid_map import GridMap
 from usvjax.maps.hongze import find_map
+from usvjax.maps.tables import Opened
 
 MOST_CELLS = 10**8
 """Of a refined map: a byte each, and eight while it is refined."""
+
+
+class ChartOptions(Protocol):
+    """What a `[maps]` table says of the one map that all jobs share."""
+
+    @property
+    def map(self) -> str:
+        """A packaged map's name, or a map file."""
+
+    @property
+    def cell_size(self) -> float | None:
+        """Edge of a cell of a plain image, m."""
+
+    @property
+    def refine(self) -> int:
+        """Into how many parts the edge of a cell is divided."""
+
+
+S = TypeVar("S")
+T = TypeVar("T", bound=ChartOptions)
+
+
+def on_chart(
+    options: T, source_of: Callable[[GridMap, T], S], folder: Path, where: str
+) -> Opened[S]:
+    """Read the map that options name; `source_of` map and options is what draws on it."""
+    grid, digest = read_chart(options.map, options.cell_size, options.refine, folder, where)
+    return Opened(options, source_of(grid, options), {options.map: digest})
 
 
 def read_chart(

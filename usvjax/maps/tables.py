@@ -1,41 +1,66 @@
 """Reading `[maps]` tables of studies, and checks of the numbers in them."""
 
 import math
-from collections.abc import Mapping
-from typing import Any, TypeVar
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.sections import Table
 from usvjax.suggest import did_you_mean
 from usvjax.tables import read_table
 
-T = TypeVar("T")
+S = TypeVar("S")
 
 
-def read_source(
-    table: Mapping[str, Any], sources: Mapping[str, type[T]], default: str, where: str
-) -> tuple[str, T]:
-    """Read the `source` of a `[maps]` table and the options that go with it.
+@dataclass(frozen=True)
+class Opened(Generic[S]):
+    """What a `[maps]` table asks for, with its files read.
+
+    Attributes:
+        options: dataclass of the options in force.
+        source: draws the scenes.
+        inputs: SHA-256 of what was read, by the name that the options give it.
+    """
+
+    options: Any
+    source: S
+    inputs: dict[str, str] = field(default_factory=dict)
+
+
+def read_maps(
+    given: Mapping[str, Any],
+    table: Table,
+    opened: Callable[[Any, Path, str], Opened[S]],
+    folder: Path,
+    where: str,
+) -> tuple[dict[str, Any], S, dict[str, str]]:
+    """Read a `[maps]` table: the source that it names and the options that go with it.
 
     Args:
-        table: the TOML table.
-        sources: name of a source to its dataclass of options.
-        default: the source where none is named.
+        given: the TOML table.
+        table: what it may hold, by "source".
+        opened: from options, `folder` and `where` to what they ask for.
+        folder: what a relative path is relative to.
         where: the study file and table, for the messages.
 
     Returns:
-        The source's name and its options.
+        All keys of the table as they are in force, the source, and the digests of its inputs.
 
     Raises:
         BadInputError: no such source, or a key or value that it cannot use.
         BadTypeError: a value of the wrong type.
     """
-    name = table.get("source", default)
+    name = given.get("source", table.default)
     if not isinstance(name, str):
         raise BadTypeError(f"{where}: 'source' must be a string, got {name!r}")
-    if name not in sources:
-        raise BadInputError(f"{where}: unknown source {name!r}; {did_you_mean(name, sources)}")
-    rest = {k: v for k, v in table.items() if k != "source"}
-    return name, read_table(sources[name], rest, where)
+    if name not in table.kinds:
+        raise BadInputError(f"{where}: unknown source {name!r}; {did_you_mean(name, table.kinds)}")
+    (options,) = table.classes(name)
+    rest = {k: v for k, v in given.items() if k != "source"}
+    found = opened(read_table(options, rest, where), folder, where)
+    return {"source": name, **asdict(found.options)}, found.source, found.inputs
 
 
 def check_share(name: str, value: float, where: str) -> None:

@@ -17,7 +17,7 @@ LEAST_SAMPLES = 16  # of a candidate, tested for collision
 
 
 @dataclass(frozen=True)
-class Vessel:
+class TurnLimits:
     """What a smoother must respect.
 
     Attributes:
@@ -41,7 +41,7 @@ Turned = tuple[np.ndarray, ...]
 
 
 def turn_corners(
-    points: np.ndarray, counts: np.ndarray, rows: np.ndarray, frame: Frame, vessel: Vessel
+    points: np.ndarray, counts: np.ndarray, rows: np.ndarray, frame: Frame, limits: TurnLimits
 ) -> Turned:
     """Smooth paths of distinct points, float64[n, P, 2] from the map's corner, m.
 
@@ -49,18 +49,18 @@ def turn_corners(
         points, counts: the paths.
         rows: int[n], the row of the batch that each belongs to: its map and vessel.
         frame: the maps.
-        vessel: what sails.
+        limits: what smoothing must respect.
     """
     width = max(points.shape[1], 3)
     points = filled(points, width, axis=1)
-    samples = vessel.samples(frame.cell_size)
+    samples = limits.samples(frame.cell_size)
 
     def work(some: np.ndarray, _: int, device: jax.Device) -> tuple[np.ndarray, ...]:
         capacity = bucket(max(-(-int(counts[some].max()) // 2), 4), 4) * 2
         local = filled(points[some], capacity, axis=1)[:, :capacity].astype(np.float32)
         charts = frame.charts(rows[some], device)
-        radius, reach = (a[rows[some]].astype(np.float32) for a in (vessel.radius, vessel.reach))
-        scale = np.array([frame.cell_size, vessel.margin], np.float32)
+        radius, reach = (a[rows[some]].astype(np.float32) for a in (limits.radius, limits.reach))
+        scale = np.array([frame.cell_size, limits.margin], np.float32)
         arrays = (local, counts[some], radius, reach, scale, np.int32(samples))
         found = _smooth(charts, *jax.device_put(arrays, device))
         corners, pieces = width - 2, 3 * (width - 2) + 1

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.paths.corners import Vessel
+from usvjax.paths.corners import TurnLimits
 from usvjax.paths.inputs import Frame
 from usvjax.paths.water import segments_clear
 from usvkernels.paths.turning import Turn
@@ -20,7 +20,7 @@ def repair_corners(
     counts: np.ndarray,
     cases: np.ndarray,
     frame: Frame,
-    vessel: Vessel,
+    limits: TurnLimits,
     turn: Callable[..., tuple[np.ndarray, ...]],
     rounds: int,
     corner_cutting: bool,
@@ -37,7 +37,7 @@ def repair_corners(
         counts: int32[B].
         cases: int32[B, C] of `Turn`, how the corners are sailed now.
         frame: the maps.
-        vessel: what sails.
+        limits: what smoothing must respect.
         turn: `turn_corners`.
         rounds: most rounds.
         corner_cutting: let moved segments touch corners of blocked cells.
@@ -53,11 +53,11 @@ def repair_corners(
         rows = np.flatnonzero(left > tried)
         if not len(rows):
             break
-        moved, owner = _moves(points, counts, cases, rows, tried, frame, vessel, corner_cutting)
+        moved, owner = _moves(points, counts, cases, rows, tried, frame, limits, corner_cutting)
         tried[rows] += 1
         if not len(moved):
             continue
-        found = turn(moved, counts[owner], owner, frame, vessel)
+        found = turn(moved, counts[owner], owner, frame, limits)
         now, length = (found[0] == Turn.UNFITTED).sum(axis=1), found[4].sum(axis=1)
         order = np.lexsort((length, now, owner))
         best = order[np.unique(owner[order], return_index=True)[1]]
@@ -75,7 +75,7 @@ def _moves(
     rows: np.ndarray,
     tried: np.ndarray,
     frame: Frame,
-    vessel: Vessel,
+    limits: TurnLimits,
     corner_cutting: bool,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Paths with one corner moved, float64[n, P, 2], and int[n], the row each is a form of."""
@@ -83,7 +83,7 @@ def _moves(
     owner: list[Any] = []
     for row in rows:
         corner = int(np.flatnonzero(cases[row] == Turn.UNFITTED)[tried[row]]) + 1
-        steps = _steps(vessel.radius[row] / frame.cell_size) * frame.cell_size
+        steps = _steps(limits.radius[row] / frame.cell_size) * frame.cell_size
         for i in {max(corner - 1, 1), corner, min(corner + 1, int(counts[row]) - 2)}:
             forms = np.repeat(points[row][None], len(steps), axis=0)
             forms[:, i] += steps

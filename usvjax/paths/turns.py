@@ -9,7 +9,7 @@ import numpy as np
 from usvjax.batches import sized
 from usvjax.checks import float_array, not_negative, positive, whole_number
 from usvjax.errors import BadInputError
-from usvjax.paths.corners import Turned, Vessel, turn_corners
+from usvjax.paths.corners import Turned, TurnLimits, turn_corners
 from usvjax.paths.inputs import Frame, path_frame, path_rows
 from usvjax.paths.points import sample_pieces, sample_room, without_idle_points
 from usvjax.paths.turn_repair import repair_corners
@@ -58,12 +58,6 @@ class PathPieces:
         )
         normal = np.stack([-np.sin(self.heading), np.cos(self.heading)], axis=-1)
         return self.start + signed[..., None] * normal
-
-    @property
-    def start_angle(self) -> np.ndarray:
-        """float64[B, S], bearing of the start from the centre of an arc, rad; nan on a segment."""
-        quarter = np.where(self.curvature == 0, np.nan, -np.sign(self.curvature) * pi / 2)
-        return self.heading + quarter
 
     @property
     def end(self) -> np.ndarray:
@@ -158,23 +152,23 @@ def smooth_turns(
     """
     frame = path_frame(blocked, cell_size, origin)
     given = path_rows(paths, lengths)
-    vessel = _vessel(turning_radius, safety_range, margin, frame, len(given))
+    limits = _limits(turning_radius, safety_range, margin, frame, len(given))
     spacing = None if spacing is None else positive("spacing", spacing)
     rounds = whole_number("repair", repair, 0)
     check_on_water(given, frame, corner_cutting)
     points = given.metres(frame.cell_size, frame.origin) - frame.origin
     points, counts = without_idle_points(points, given.counts)
-    turned = turn_corners(points, counts, np.arange(len(given)), frame, vessel)
+    turned = turn_corners(points, counts, np.arange(len(given)), frame, limits)
     repaired = np.zeros(len(given), bool)
     if rounds:
         points, counts, repaired = repair_corners(
-            points, counts, turned[0], frame, vessel, turn_corners, rounds, corner_cutting
+            points, counts, turned[0], frame, limits, turn_corners, rounds, corner_cutting
         )
         changed = np.flatnonzero(repaired)
         if len(changed):
-            anew = turn_corners(points[changed], counts[changed], changed, frame, vessel)
+            anew = turn_corners(points[changed], counts[changed], changed, frame, limits)
             turned = tuple(_put(old, new, changed) for old, new in zip(turned, anew, strict=True))
-    return _result(turned, points, counts, repaired, frame, _Spacing.of(spacing, vessel))
+    return _result(turned, points, counts, repaired, frame, _Spacing.of(spacing, limits))
 
 
 @dataclass(frozen=True)
@@ -185,10 +179,10 @@ class _Spacing:
     what: str
 
     @classmethod
-    def of(cls, given: float | None, vessel: Vessel) -> "_Spacing":
+    def of(cls, given: float | None, limits: TurnLimits) -> "_Spacing":
         if given is not None:
             return cls(given, f"spacing: got {given:g} m")
-        least = float(vessel.radius.min())
+        least = float(limits.radius.min())
         said = f"turning_radius: got {least:g} m; samples R / 5 apart, for want of a spacing"
         return cls(least / 5, said)
 
@@ -200,7 +194,9 @@ def _put(old: np.ndarray, new: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return old
 
 
-def _vessel(turning_radius: Any, safety_range: Any, margin: Any, frame: Frame, rows: int) -> Vessel:
+def _limits(
+    turning_radius: Any, safety_range: Any, margin: Any, frame: Frame, rows: int
+) -> TurnLimits:
     radius = _per_path("turning_radius", turning_radius, rows, frame)
     reach = 2 * radius
     if safety_range is not None:
@@ -211,7 +207,7 @@ def _vessel(turning_radius: Any, safety_range: Any, margin: Any, frame: Frame, r
             f"margin: got {margin:g} m; wanted at most {0.2 * frame.cell_size:g} m, a fifth of a "
             "cell; inflate the map for more"
         )
-    return Vessel(radius, reach, margin)
+    return TurnLimits(radius, reach, margin)
 
 
 def _per_path(name: str, value: Any, rows: int, frame: Frame) -> np.ndarray:

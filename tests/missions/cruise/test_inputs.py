@@ -31,7 +31,7 @@ def _no_compute(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(checked: object, *_: object, **__: object) -> None:
         raise ComputeError(checked)
 
-    monkeypatch.setattr(run, "sail", refuse)
+    monkeypatch.setattr(run, "sail_in_lanes", refuse)
     monkeypatch.setattr(run, "sail_in_rounds", refuse)
 
 

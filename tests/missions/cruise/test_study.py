@@ -19,7 +19,7 @@ from usvjax.missions.cruise.itinerary import itinerary
 from usvjax.missions.cruise.methods import (
     METHODS,
     CruiseOptions,
-    Posed,
+    CruisePosed,
     leg_lengths,
     pose,
     sail,
@@ -161,7 +161,7 @@ def test_methods_are_what_they_say(method, monkeypatch):
     source, options = condition.case.given.source, condition.case.given.options
     scenes = source.draw(7, np.arange(3, 5))
     legs = np.zeros((2, STATIONS, STATIONS))
-    sail(Posed(source, options, 7, np.arange(3, 5), scenes, legs), method)
+    sail(CruisePosed(source, options, 7, np.arange(3, 5), scenes, legs), method)
     tour, planner, heuristic = {
         "recommended": ("recommended", "dstar_lite", "octile"),
         "astar": ("recommended", "astar", "octile"),

@@ -61,7 +61,9 @@ def episode(**changes):
 
 
 def test_a_decision_shows_the_fan_by_score_and_the_window():
-    fig = decision.plot_decision(episode(), fake_decide, 10)
+    film = decision.decision_film(episode(), fake_decide)
+    film.show(10)
+    fig = film.fig
     whole, near, window = fig.axes[:3]
     assert whole.get_aspect() == near.get_aspect() == 1.0
     for ax in (whole, window):
@@ -168,5 +170,6 @@ def test_mp4_without_ffmpeg_says_what_is_missing(tmp_path, monkeypatch):
 
 
 def test_a_step_that_is_not_there_is_refused():
+    film = decision.decision_film(episode(), fake_decide)
     with pytest.raises(BadInputError, match="step is 41; 0 to 40"):
-        decision.plot_decision(episode(), fake_decide, 41)
+        film.show(41)

@@ -10,7 +10,7 @@ import pytest
 from navigate_episodes import PARAMS, STATIC, B, assert_same, sail
 
 import usvjax as uj
-from usvjax.missions.dwa.inputs import Scene, _chart, set_scene
+from usvjax.missions.dwa.inputs import PackedEpisodes, _chart, pack_episodes
 from usvjax.missions.dwa.run import NavigateResult
 from usvkernels.dwa.episodes import sensed
 from usvkernels.dwa.window import Motion
@@ -109,7 +109,7 @@ def test_running_aground_is_seen(
 
 def test_open_water_on_a_map() -> None:
     open_water = uj.GridMap(np.zeros((10, 11), bool), cell_size=0.75)
-    scene = set_scene(open_water, *voyages(), None, NEAR_SHORE, STATIC, None)
+    scene = pack_episodes(open_water, *voyages(), None, NEAR_SHORE, STATIC, None)
     assert scene.chart is not None
     np.testing.assert_array_equal(scene.chart.table, -1)
 
@@ -134,7 +134,7 @@ def test_past_the_edge_of_a_map_the_nearest_cell_is_sensed() -> None:
 
     np.testing.assert_array_equal(seen(12.1), seen(11.9))
     assert (seen(12.1) < 100.0).any()
-    scene = Scene(np.zeros((1, 3)), np.zeros((1, 2)), np.zeros(2), None, chart)
+    scene = PackedEpisodes(np.zeros((1, 3)), np.zeros((1, 2)), np.zeros(2), None, chart)
     for x, y in ((9.0, 12.1), (9.0, 11.9), (9.0, 40.0)):
         np.testing.assert_array_equal(scene.sensed(np.array([[x, y]]))[0], seen(y)[..., 0])
 
@@ -142,7 +142,7 @@ def test_past_the_edge_of_a_map_the_nearest_cell_is_sensed() -> None:
 def test_no_shore_lies_farther_than_the_map_is_across() -> None:
     # A vessel that hardly brakes would see for 1e5 km.
     params = replace(NEAR_SHORE, v_dec=1e-8)
-    whole = set_scene(lake(), *voyages(), None, params, STATIC, None).chart
+    whole = pack_episodes(lake(), *voyages(), None, params, STATIC, None).chart
     assert whole is not None
     assert whole.table.shape[1] == 40, "all 39 cells of the shore"
 
@@ -150,4 +150,4 @@ def test_no_shore_lies_farther_than_the_map_is_across() -> None:
 def test_a_table_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("usvjax.maps.obstacles.MOST_BYTES", 110 * 40 * 4 - 1)
     with pytest.raises(uj.BadInputError, match=r"map: the obstacles within .* by a shorter"):
-        set_scene(lake(), *voyages(), None, NEAR_SHORE, STATIC, 9.01)
+        pack_episodes(lake(), *voyages(), None, NEAR_SHORE, STATIC, 9.01)

@@ -7,13 +7,13 @@ from navigate_episodes import PARAMS, STATIC
 from scipy.stats import spearmanr
 
 import usvjax as uj
-from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.inputs import pack_episodes
 
 START, GOAL = [0.0, 0.0, 0.0], [10.0, 0.0]
 
 
 def expected(obstacles: object, params: uj.DwaParams = PARAMS) -> np.ndarray:
-    scene = set_scene(obstacles, START, GOAL, None, params, STATIC, None)
+    scene = pack_episodes(obstacles, START, GOAL, None, params, STATIC, None)
     return scene.expected_steps(params)
 
 
@@ -42,7 +42,7 @@ def test_what_lies_behind_or_past_the_goal_does_not_count() -> None:
 def test_a_vessel_that_cannot_move_and_a_start_at_the_goal_are_finite() -> None:
     still = replace(PARAMS, v_min=0.0, v_max=0.0, v_acc=0.0, radius=0.0)
     assert np.isfinite(expected([[5.0, 0.0]], still)).all()
-    here = set_scene([[5.0, 0.0]], START, [0.0, 0.0], None, PARAMS, STATIC, None)
+    here = pack_episodes([[5.0, 0.0]], START, [0.0, 0.0], None, PARAMS, STATIC, None)
     np.testing.assert_array_equal(here.expected_steps(PARAMS), 0.0)
 
 
@@ -50,7 +50,7 @@ def test_on_a_chart_the_distance_counts() -> None:
     water = uj.GridMap(np.zeros((20, 20), bool), 10.0)
     params = replace(PARAMS, radius=8.0)
     goals = [[60.0, 50.0], [150.0, 50.0]]
-    scene = set_scene(water, [50.0, 50.0, 0.0], goals, None, params, STATIC, None)
+    scene = pack_episodes(water, [50.0, 50.0, 0.0], goals, None, params, STATIC, None)
     near, far = scene.expected_steps(params)
     np.testing.assert_allclose(far / near, 10.0)
 
@@ -61,7 +61,7 @@ def test_far_goals_are_told_from_near_ones() -> None:
     goals = np.linspace([1.5, 1.5], [5.0, 5.0], 100)
     static = replace(STATIC, max_steps=400)
     sailed = uj.navigate_dwa(obstacles, START, goals, params=PARAMS, static=static)
-    scene = set_scene(obstacles, START, goals, None, PARAMS, static, None)
+    scene = pack_episodes(obstacles, START, goals, None, PARAMS, static, None)
     there = sailed.status == uj.Status.REACHED
     assert there.sum() > 30
     ranks = spearmanr(scene.expected_steps(PARAMS)[there], sailed.steps[there])

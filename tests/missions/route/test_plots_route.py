@@ -223,7 +223,9 @@ def test_the_film_shows_every_move_until_arrival(episode, tmp_path):
 
 
 def test_a_step_shows_what_is_known_and_what_changed(episode):
-    fig = replanning.plot_replanning(episode, 5)
+    film = replanning.replanning_film(episode)
+    film.show(5)
+    fig = film.fig
     shown = fig.axes[0]
     np.testing.assert_array_equal(shown.images[0].get_array(), episode.known[5])
     before, now = episode.known[4], episode.known[5]
@@ -237,7 +239,7 @@ def test_a_step_shows_what_is_known_and_what_changed(episode):
     assert "move 5:" in fig.get_suptitle()
     assert ("sensing window" in legend_texts(fig)) is (episode.sensing is not None)
     with pytest.raises(BadInputError, match="step is 99"):
-        replanning.plot_replanning(episode, 99)
+        film.show(99)
 
 
 def test_replanning_refuses_flips_of_another_episode(episode):

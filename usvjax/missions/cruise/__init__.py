@@ -2,6 +2,6 @@
 
 from usvjax.missions.cruise.params import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.result import CruiseResult
-from usvjax.missions.cruise.run import METHODS, cruise
+from usvjax.missions.cruise.run import cruise
 
-__all__ = ["METHODS", "CruiseParams", "CruiseResult", "CruiseStatic", "cruise"]
+__all__ = ["CruiseParams", "CruiseResult", "CruiseStatic", "cruise"]

@@ -14,7 +14,7 @@ from usvjax.missions.cruise import (
 from usvjax.missions.cruise.chart import duration_words, plot_cruise
 from usvjax.missions.cruise.itinerary import itinerary
 from usvjax.missions.cruise.methods import (
-    Posed,
+    CruisePosed,
     first_map,
     leg_lengths,
     shortest_tours,
@@ -95,7 +95,7 @@ def _to_decimetres(stops: pl.DataFrame) -> pl.DataFrame:
 
 
 def _cruise_figure(
-    posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray], title: str
+    posed: CruisePosed, sailed: CruiseResult, legs: Mapping[str, np.ndarray], title: str
 ) -> Figure:
     params, grid = posed.options.params, first_map(posed)
     tour, words = _straight_tour(posed, legs)
@@ -127,7 +127,7 @@ def visits_words(sailed: CruiseResult) -> str:
     return f"{status_name(sailed.status[0])}, {seen} of {count} stations visited"
 
 
-def _straight_tour(posed: Posed, legs: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:
+def _straight_tour(posed: CruisePosed, legs: Mapping[str, np.ndarray]) -> tuple[np.ndarray, str]:
     """The order of the shortest tour in straight lines, and words for it."""
     tour = shortest_tours(posed.seed, posed.jobs, legs["straight"], "recommended")
     across, along = (length_words(float(tour_lengths(legs[d], tour)[0])) for d in DISTANCES)

@@ -6,11 +6,13 @@ import numpy as np
 import polars as pl
 
 from usvjax.missions.cruise import CruiseResult
-from usvjax.missions.cruise.methods import Posed, first_map
+from usvjax.missions.cruise.methods import CruisePosed, first_map
 from usvkernels.status import Status
 
 
-def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]) -> pl.DataFrame:
+def itinerary(
+    posed: CruisePosed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
+) -> pl.DataFrame:
     """One cruise as a table with a row for each stop, home first and last.
 
     Args:
@@ -55,7 +57,7 @@ def itinerary(posed: Posed, sailed: CruiseResult, legs: Mapping[str, np.ndarray]
     )
 
 
-def _since_start(posed: Posed, sailed: CruiseResult) -> tuple[np.ndarray, np.ndarray]:
+def _since_start(posed: CruisePosed, sailed: CruiseResult) -> tuple[np.ndarray, np.ndarray]:
     """Length (m) and time (s) from the start to each way point, float64[Q]."""
     cell_size, speed = posed.source.cell_size, posed.options.params.speed
     count = sailed.smoothed_count[0]

@@ -122,7 +122,7 @@ class CruiseCase:
 
 
 @dataclass(frozen=True)
-class Posed:
+class CruisePosed:
     """Cruises of jobs that follow one another, before they are sailed.
 
     Attributes:
@@ -186,14 +186,14 @@ def _naming_keys() -> Iterator[None]:
         raise type(error)(re.sub(named, "", str(error))) from error
 
 
-def pose(source: Source, options: CruiseOptions, seed: int, jobs: np.ndarray) -> Posed:
+def pose(source: Source, options: CruiseOptions, seed: int, jobs: np.ndarray) -> CruisePosed:
     """Draw the maps and stations of int64[J] jobs that follow one another."""
     scenes = source.draw(seed, jobs)
     legs = leg_lengths(scenes, source.cell_size, options.static.distances)
-    return Posed(source, options, seed, jobs, scenes, legs)
+    return CruisePosed(source, options, seed, jobs, scenes, legs)
 
 
-def first_map(posed: Posed, row: int = 0) -> GridMap:
+def first_map(posed: CruisePosed, row: int = 0) -> GridMap:
     """The first map of a cruise; a shared one as it was before it was inflated."""
     source = posed.source
     return source.chart or GridMap(posed.scenes.blocked[row], source.cell_size, source.origin)
@@ -230,7 +230,7 @@ def tour_lengths(legs: np.ndarray, orders: np.ndarray) -> np.ndarray:
     return lengths
 
 
-def sail(posed: Posed, method: str) -> CruiseResult:
+def sail(posed: CruisePosed, method: str) -> CruiseResult:
     """Sail cruises with one method.
 
     Args:

@@ -5,15 +5,13 @@ keys of `usvjax.missions.cruise.methods.METHODS`.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from usvjax.errors import saying_where
-from usvjax.maps.chart import read_chart
-from usvjax.maps.tables import read_source
+from usvjax.maps.tables import read_maps
 from usvjax.mission import (
     Case,
     Files,
@@ -29,7 +27,7 @@ from usvjax.missions.cruise.methods import (
     METHODS,
     OPTION_KEYS,
     CruiseCase,
-    Posed,
+    CruisePosed,
     check_options,
     first_map,
     pose,
@@ -39,14 +37,12 @@ from usvjax.missions.cruise.methods import (
 )
 from usvjax.missions.cruise.params import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.result import CruiseResult
-from usvjax.missions.cruise.scenes import STATIONS, CellTable, ChartSource, ChartTable, Source
+from usvjax.missions.cruise.scenes import CellTable, ChartTable, opened
 from usvjax.sections import Table
 from usvjax.tables import field_names
 from usvkernels.status import CRUISE_ENDINGS, Status
 
-MapsTable = CellTable | ChartTable
-
-_SOURCES: dict[str, type[MapsTable]] = {"random": CellTable, "grid": ChartTable}
+_SOURCES = {"random": CellTable, "grid": ChartTable}
 
 
 class CruiseMission:
@@ -87,22 +83,24 @@ class CruiseMission:
     def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
         """Check one condition; see `Mission.case`."""
         place = files.table("maps")
-        name, table, source, inputs = _read_maps(tables["maps"], files)
+        maps, source, inputs = read_maps(
+            tables["maps"], self.tables["maps"], opened, files.folder, place
+        )
         with saying_where(place):
             source.check(place)
         options = read_options(tables["cruise"], files.table("cruise"))
         with saying_where(files.table("cruise")):
             refusals = check_options(source, options)
-        in_force = {"maps": {"source": name, **asdict(table)}, "cruise": options.table()}
+        in_force = {"maps": maps, "cruise": options.table()}
         return Case(in_force, inputs, CruiseCase(source, options), refusals=refusals)
 
-    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> list[Posed]:
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> list[CruisePosed]:
         """Draw maps and stations, in parts whose jobs follow one another; see `Mission.pose`."""
         given: CruiseCase = case.given
         parts = np.split(jobs, np.flatnonzero(np.diff(jobs) != 1) + 1)
         return [pose(given.source, given.options, seed, part) for part in parts]
 
-    def run(self, scene: list[Posed], method: str, record: bool = False) -> Outcome:
+    def run(self, scene: list[CruisePosed], method: str, record: bool = False) -> Outcome:
         """Sail cruises; see `Mission.run`."""
         sailed = [sail(posed, method) for posed in scene]
         parts = [
@@ -136,7 +134,7 @@ MISSION = CruiseMission()
 
 
 def _columns(
-    posed: Posed, sailed: CruiseResult, method: str, metrics: tuple[Metric, ...]
+    posed: CruisePosed, sailed: CruiseResult, method: str, metrics: tuple[Metric, ...]
 ) -> dict[str, np.ndarray]:
     """Status and metrics, array[J] each."""
     columns = {
@@ -148,7 +146,7 @@ def _columns(
     return {**columns, **others}
 
 
-def _recorded(scene: list[Posed], sailed: list[CruiseResult]) -> Recording:
+def _recorded(scene: list[CruisePosed], sailed: list[CruiseResult]) -> Recording:
     """The tracks from cell to cell; the detail is the cruises of each part."""
     grounds, tracks = [], []
     for posed, cruises in zip(scene, sailed, strict=True):
@@ -162,17 +160,3 @@ def _recorded(scene: list[Posed], sailed: list[CruiseResult]) -> Recording:
             time = np.where(step > 0, step, grid.cell_size) / float(posed.options.params.speed)
             tracks.append(Track(np.append(0.0, np.cumsum(time)), "s", places[:, None]))
     return Recording(tuple(grounds), tuple(tracks), sailed)
-
-
-def _read_maps(
-    table: Mapping[str, Any], files: Files
-) -> tuple[str, MapsTable, Source, dict[str, str]]:
-    """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    place = files.table("maps")
-    name, options = read_source(table, _SOURCES, "random", place)
-    if isinstance(options, CellTable):
-        return name, options, options, {}
-    if options.stations is None and options.places is None:
-        options = replace(options, stations=STATIONS)
-    grid, digest = read_chart(options.map, options.cell_size, options.refine, files.folder, place)
-    return name, options, ChartSource(grid, options), {options.map: digest}

@@ -25,13 +25,13 @@ from usvjax.missions.cruise.rounds import (
     LegPlanner,
     sail_in_rounds,
 )
-from usvjax.missions.cruise.sailing import MOST_LANES, Replanning, sail
+from usvjax.missions.cruise.sailing import MOST_LANES, Replanning, sail_in_lanes
 from usvjax.missions.cruise.straightening import pulled_straight
 from usvjax.search.replan_inputs import check_method
 from usvjax.tours.algorithms import NAMES as TOURS
 from usvkernels.draws import seeds as seeds_of
 
-METHODS = ("dstar_lite", *PLANNERS)
+PLANNER_METHODS = ("dstar_lite", *PLANNERS)
 
 
 def cruise(
@@ -101,7 +101,7 @@ def cruise(
             too large for the heuristic, more cruises than memory holds; the message names the
             argument and the first bad row.
     """
-    one_of("method", method, METHODS)
+    one_of("method", method, PLANNER_METHODS)
     one_of("tour", tour, TOURS)
     params = CruiseParams() if params is None else params
     static = CruiseStatic() if static is None else static
@@ -121,7 +121,7 @@ def cruise(
     else:
         chosen = check_order(order, expedition)
     if method == "dstar_lite":
-        voyages = sail(expedition, chosen, seeds, replanning)
+        voyages = sail_in_lanes(expedition, chosen, seeds, replanning)
     else:
         voyages = sail_in_rounds(expedition, chosen, seeds, planner)
     way = pulled_straight(expedition, voyages, seeds)

@@ -69,7 +69,7 @@ class _Room:
     lanes: int
 
 
-def sail(
+def sail_in_lanes(
     expedition: Expedition, order: np.ndarray, seeds: np.ndarray, replanning: Replanning
 ) -> Voyages:
     """Sail all cruises.

@@ -6,17 +6,18 @@ A table of `[maps]` that names no file draws its scenes itself; that of a chart 
 home.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.maps.cells import OnOwnMaps, check_cells, maps_of_jobs
-from usvjax.maps.chart import OnChart, cells_where, inflated, off_shore
+from usvjax.maps.chart import OnChart, cells_where, inflated, off_shore, on_chart
 from usvjax.maps.stations import check_places, check_stations, draw_stations
-from usvjax.maps.tables import check_length
+from usvjax.maps.tables import Opened, check_length
 
 STATIONS = 20
 
@@ -172,3 +173,12 @@ class ChartSource(OnChart):
 
 Source = CellTable | ChartSource
 """What draws the maps and stations of a condition."""
+
+
+def opened(table: CellTable | ChartTable, folder: Path, where: str) -> Opened[Source]:
+    """What a `[maps]` table asks for, with its map read; see `usvjax.maps.tables.read_maps`."""
+    if isinstance(table, CellTable):
+        return Opened(table, table)
+    if table.stations is None and table.places is None:
+        table = replace(table, stations=STATIONS)
+    return on_chart(table, ChartSource, folder, where)

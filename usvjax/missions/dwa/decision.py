@@ -9,7 +9,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import ArrayLike, NDArray
@@ -273,26 +272,6 @@ def decision_film(episode: Episode, decide: Decide) -> Film:
     """
     view = EpisodeView(episode, decide)
     return Film(view.fig, len(view.states), view.show)
-
-
-def plot_decision(episode: Episode, decide: Decide, step: int) -> Figure:
-    """Draw one step of an episode with its dynamic window.
-
-    Args:
-        episode: what to show.
-        decide: from a state to the decision taken there.
-        step: control periods since the start.
-
-    Returns:
-        The figure: the map and a close-up with the fan of candidate paths coloured by score
-        (inadmissible ones grey, the chosen one bold), and the window of candidates.
-
-    Raises:
-        BadInputError: as `EpisodeView`.
-    """
-    view = EpisodeView(episode, decide)
-    view.show(step)
-    return view.fig
 
 
 def _clean_states(episode: Episode) -> FloatArray:

@@ -12,7 +12,7 @@ import usvjax.missions.dwa.looks  # noqa: F401
 from usvjax.mission import Replay, Replayed
 from usvjax.missions.dwa.candidates import DwaCandidates, dwa_candidates
 from usvjax.missions.dwa.decision import Decide, Episode, decision_film
-from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.inputs import pack_episodes
 from usvjax.missions.dwa.posed import DwaPosed
 from usvjax.missions.dwa.run import NavigateResult
 from usvjax.plots.base_map import View
@@ -210,13 +210,13 @@ def decide_of(replayed: Replayed, row: int) -> Decide:
     params, static = posed.params, replace(posed.static, method=replayed.method)
     starts, goals = posed.scenes.starts[row], posed.scenes.goals[row]
     seen = posed.circles(row) if posed.grid_map is None else posed.grid_map
-    scene = set_scene(seen, starts, goals, None, params, static, None)
-    origin, goal = scene.origin, scene.goal[0]
+    packed = pack_episodes(seen, starts, goals, None, params, static, None)
+    origin, goal = packed.origin, packed.goal[0]
 
     # As the kernel does, in the map's frame: single precision is too coarse in the world's.
     def decision(state: FloatArray) -> DwaCandidates:
         state = np.concatenate([state[:2] - origin, state[2:]])
-        near = scene.sensed(state[None, :2])[0].T
+        near = packed.sensed(state[None, :2])[0].T
         found = dwa_candidates(near, state, goal, params=params, static=static)
         return replace(found, end=found.end + origin, paths=found.paths + origin)
 

@@ -25,7 +25,7 @@ MOST_REMOTE = 2e5
 
 
 @dataclass(frozen=True)
-class Scene:
+class PackedEpisodes:
     """Checked episodes on the host, in the frame of the map's corner.
 
     Attributes:
@@ -103,7 +103,7 @@ class Scene:
         return nearest
 
 
-def set_scene(
+def pack_episodes(
     obstacles: Any,
     starts: Any,
     goals: Any,
@@ -111,7 +111,7 @@ def set_scene(
     params: DwaParams,
     static: DwaStatic,
     sensing_range: float | None,
-) -> Scene:
+) -> PackedEpisodes:
     """Check and pack the episodes of `navigate_dwa`, whose docstring says what is what."""
     on_map = isinstance(obstacles, GridMap)
     start, goal = _rows("starts", starts, 3), _rows("goals", goals, 2)
@@ -180,7 +180,7 @@ def _among_circles(
     goal: np.ndarray,
     params: DwaParams,
     sensing_range: float | None,
-) -> Scene:
+) -> PackedEpisodes:
     if sensing_range is not None:
         raise BadInputError("sensing_range: goes with a GridMap; circles are all in sight")
     shared = np.ndim(obstacles) == 2
@@ -190,7 +190,7 @@ def _among_circles(
     shown = None if valid is None else _mask(valid, (len(start), centres.shape[1]))
     packed = padded(centres, shown)
     _refuse_inside(packed, start, np.asarray(params.radius, np.float64), np.zeros(2))
-    return Scene(start, goal, np.zeros(2), packed, None)
+    return PackedEpisodes(start, goal, np.zeros(2), packed, None)
 
 
 def _mask(valid: Any, shape: tuple[int, int]) -> np.ndarray:
@@ -259,7 +259,7 @@ def _on_chart(
     params: DwaParams,
     static: DwaStatic,
     sensing_range: float | None,
-) -> Scene:
+) -> PackedEpisodes:
     if valid is not None:
         raise BadInputError("valid: goes with obstacle centres, not with a GridMap")
     covers = grid.cell_size * sqrt(0.5)
@@ -279,7 +279,7 @@ def _on_chart(
     across = grid.cell_size * hypot(*grid.shape)  # farther there is no shore
     reach = min(_reach(params, static, sensing_range), across)
     origin = np.asarray(grid.origin, np.float64)
-    scene = Scene(
+    packed = PackedEpisodes(
         start=start - np.append(origin, 0.0),
         goal=goal - origin,
         origin=origin,
@@ -287,8 +287,8 @@ def _on_chart(
         chart=_chart(grid, reach),
     )
     radius = np.asarray(params.radius, np.float64)
-    _refuse_inside(scene.sensed(scene.start[:, :2]), scene.start, radius, origin)
-    return scene
+    _refuse_inside(packed.sensed(packed.start[:, :2]), packed.start, radius, origin)
+    return packed
 
 
 def _reach(params: DwaParams, static: DwaStatic, sensing_range: float | None) -> float:

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from usvjax.errors import BadInputError, BadTypeError, saying_where
-from usvjax.maps.chart import read_chart
-from usvjax.maps.tables import read_source
+from usvjax.maps.tables import read_maps
 from usvjax.mission import (
     Case,
     Files,
@@ -25,11 +24,11 @@ from usvjax.mission import (
     Replayed,
     Track,
 )
-from usvjax.missions.dwa.inputs import set_scene
+from usvjax.missions.dwa.inputs import pack_episodes
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa, fit_window
 from usvjax.missions.dwa.posed import DwaCase, DwaPosed
 from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
-from usvjax.missions.dwa.scenes import ChartSource, ChartTable, DiscTable, LatticeTable, Source
+from usvjax.missions.dwa.scenes import ChartTable, DiscTable, LatticeTable, Source, opened
 from usvjax.presets import preset, preset_names
 from usvjax.sections import Table
 from usvjax.tables import check_keys, field_names, read_values
@@ -37,11 +36,7 @@ from usvkernels.status import EPISODE_ENDINGS
 
 DEFAULT_PRESET = "tan2022"
 
-_SOURCES: dict[str, type[LatticeTable] | type[DiscTable] | type[ChartTable]] = {
-    "lattice": LatticeTable,
-    "random": DiscTable,
-    "grid": ChartTable,
-}
+_SOURCES = {"lattice": LatticeTable, "random": DiscTable, "grid": ChartTable}
 
 
 class DwaMission:
@@ -83,13 +78,15 @@ class DwaMission:
         """Check one condition; see `Mission.case`."""
         params, static = _read_method(tables["params"], tables["static"], files)
         place = files.table("maps")
-        name, options, source, inputs = _read_maps(tables["maps"], files)
+        maps, source, inputs = read_maps(
+            tables["maps"], self.tables["maps"], opened, files.folder, place
+        )
         source.check(float(params.radius), place)
         source.check_outside_goal(float(params.goal_tolerance), place)
         with saying_where(place):
             _try_scenes(source, params, static)
         in_force = {
-            "maps": {"source": name, **asdict(options)},
+            "maps": maps,
             "params": asdict(params),
             "static": {k: v for k, v in asdict(static).items() if k != "method"},
         }
@@ -155,7 +152,7 @@ def _recorded(scene: DwaPosed, result: NavigateResult) -> Recording:
 def _try_scenes(source: Source, params: DwaParams, static: DwaStatic) -> None:
     """Refuse what `navigate_dwa` would, before a run directory exists."""
     some = source.draw(0, np.arange(2), float(params.radius))
-    set_scene(some.obstacles, some.starts, some.goals, some.valid, params, static, None)
+    pack_episodes(some.obstacles, some.starts, some.goals, some.valid, params, static, None)
 
 
 def _read_method(
@@ -181,15 +178,3 @@ def _read_method(
         static = replace(static, **sizes)
         check_dwa(params, static)
     return params, static
-
-
-def _read_maps(
-    table: Mapping[str, Any], files: Files
-) -> tuple[str, LatticeTable | DiscTable | ChartTable, Source, dict[str, str]]:
-    """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    place = files.table("maps")
-    name, options = read_source(table, _SOURCES, "lattice", place)
-    if not isinstance(options, ChartTable):
-        return name, options, options, {}
-    grid, digest = read_chart(options.map, options.cell_size, options.refine, files.folder, place)
-    return name, options, ChartSource(grid, options), {options.map: digest}

@@ -11,7 +11,7 @@ import numpy as np
 from usvjax.batches import Batch, bucket, deal_longest_first
 from usvjax.checks import whole_number
 from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices
-from usvjax.missions.dwa.inputs import Scene, set_scene
+from usvjax.missions.dwa.inputs import PackedEpisodes, pack_episodes
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvjax.programs import Programs
 from usvkernels import lanes
@@ -103,12 +103,12 @@ def navigate_dwa(
     params = DwaParams() if params is None else params
     static = DwaStatic() if static is None else static
     max_lanes = whole_number("max_lanes", max_lanes, LEAST_LANES)
-    scene = set_scene(obstacles, starts, goals, valid, params, static, sensing_range)
-    return _sail(scene, params, static, record, max_lanes)
+    packed = pack_episodes(obstacles, starts, goals, valid, params, static, sensing_range)
+    return _sail(packed, params, static, record, max_lanes)
 
 
 def _sail(
-    scene: Scene,
+    packed: PackedEpisodes,
     params: DwaParams,
     static: DwaStatic,
     record: bool,
@@ -116,16 +116,16 @@ def _sail(
 ) -> NavigateResult:
     devices = chosen_devices()
     most = MOST_LANES if record else MOST_ROWS
-    blocks = deal_longest_first(scene.expected_steps(params), most, len(devices))
+    blocks = deal_longest_first(packed.expected_steps(params), most, len(devices))
     capacity = bucket(max(LEAST_LANES, len(blocks[0])))
     width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
 
     swept = tuple(name for name, value in vars(params).items() if np.ndim(value))
-    charted = scene.chart is not None
-    program = (record, static, swept, charted, scene.sensed_shape, capacity, width)
+    charted = packed.chart is not None
+    program = (record, static, swept, charted, packed.sensed_shape, capacity, width)
 
     def begin(rows: np.ndarray, count: int, device: jax.Device) -> Any:
-        jobs, own = scene.rows(rows), _params_of(params, rows)
+        jobs, own = packed.rows(rows), _params_of(params, rows)
         if record:
             return _programs.run(program, device, _record, jobs, own, static=static)
         arrays = (jobs, own, np.int32(count))
@@ -133,7 +133,7 @@ def _sail(
 
     batch = Batch(blocks, capacity, devices)
     results = batch.run(begin, at_once=_programs.ready(program, devices[: len(blocks)]))
-    return _collect(results, batch, scene, params, static)
+    return _collect(results, batch, packed, params, static)
 
 
 def _params_of(params: DwaParams, rows: np.ndarray) -> DwaParams:
@@ -177,7 +177,7 @@ def _record(
 def _collect(
     results: list[tuple[Any, ...]],
     batch: Batch,
-    scene: Scene,
+    packed: PackedEpisodes,
     params: DwaParams,
     static: DwaStatic,
 ) -> NavigateResult:
@@ -191,9 +191,9 @@ def _collect(
     if len(results[0]) > 2:
         most = int(steps.max()) + 1
         trajectory = batch.join([found[2][:, :most] for found in results])
-        if scene.origin.any():
+        if packed.origin.any():
             trajectory = trajectory.astype(np.float64)
-            trajectory[..., :2] += scene.origin
+            trajectory[..., :2] += packed.origin
     return NavigateResult(
         status=batch.join([end.status for end in ends]),
         time=time,

@@ -10,12 +10,13 @@ are paired as well.
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
-from usvjax.maps.chart import OnChart, cells_where, off_shore
+from usvjax.maps.chart import OnChart, cells_where, off_shore, on_chart
 from usvjax.maps.discs import (
     check_has_area,
     check_number,
@@ -25,7 +26,7 @@ from usvjax.maps.discs import (
 )
 from usvjax.maps.ends import check_fixed_ends, check_outside_goal, draw_pairs, facing, fixed_ends
 from usvjax.maps.lattice import check_lattice, lattice_obstacles
-from usvjax.maps.tables import check_share
+from usvjax.maps.tables import Opened, check_share
 from usvjax.missions.dwa.inputs import MOST_REMOTE
 
 
@@ -249,3 +250,12 @@ class ChartSource(OnChart):
 
 Source = LatticeTable | DiscTable | ChartSource
 """What draws the scenes of a condition."""
+
+
+def opened(
+    table: LatticeTable | DiscTable | ChartTable, folder: Path, where: str
+) -> Opened[Source]:
+    """What a `[maps]` table asks for, with its map read; see `usvjax.maps.tables.read_maps`."""
+    if isinstance(table, ChartTable):
+        return on_chart(table, ChartSource, folder, where)
+    return Opened(table, table)

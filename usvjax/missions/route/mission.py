@@ -4,7 +4,6 @@
 those of what is done to their paths. Methods are the keys of `usvjax.missions.route.run.METHODS`.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from types import MappingProxyType
@@ -12,10 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.errors import saying_where
-from usvjax.maps.chart import map_digest, read_chart
-from usvjax.maps.disk import read_bytes
-from usvjax.maps.tables import read_source
+from usvjax.maps.tables import read_maps
 from usvjax.mission import (
     Case,
     Files,
@@ -41,23 +37,15 @@ from usvjax.missions.route.run import (
 )
 from usvjax.missions.route.scenes import (
     CellTable,
-    ChartSource,
     ChartTable,
     ScenTable,
-    Source,
-    scen_source,
+    opened,
 )
 from usvjax.sections import Table
 from usvjax.tables import read_table
 from usvkernels.status import Status
 
-MapsTable = CellTable | ChartTable | ScenTable
-
-_SOURCES: dict[str, type[MapsTable]] = {
-    "random": CellTable,
-    "grid": ChartTable,
-    "movingai": ScenTable,
-}
+_SOURCES = {"random": CellTable, "grid": ChartTable, "movingai": ScenTable}
 
 
 class RouteMission:
@@ -92,8 +80,11 @@ class RouteMission:
 
     def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
         """Check one condition; see `Mission.case`."""
-        name, options, source, inputs = _read_maps(tables["maps"], files)
-        source.check(files.table("maps"))
+        place = files.table("maps")
+        maps, source, inputs = read_maps(
+            tables["maps"], self.tables["maps"], opened, files.folder, place
+        )
+        source.check(place)
         search = read_table(SearchOptions, tables["search"], files.table("search"))
         smoothing = read_table(SmoothingOptions, tables["smoothing"], files.table("smoothing"))
         longest = source.cell_size * max(source.shape)
@@ -103,7 +94,7 @@ class RouteMission:
         if smoothing.turning_radius is None:
             smoothing = replace(smoothing, turning_radius=source.cell_size)
         in_force = {
-            "maps": {"source": name, **asdict(options)},
+            "maps": maps,
             "search": asdict(search),
             "smoothing": asdict(smoothing),
         }
@@ -177,23 +168,3 @@ def _recorded(scene: RoutePosed, routes: Routes) -> Recording:
         steps = np.hypot(*np.diff(places, axis=0).T)
         tracks.append(Track(np.append(0.0, np.cumsum(steps)), "m", places[:, None]))
     return Recording(tuple(grounds), tuple(tracks), routes)
-
-
-def _read_maps(
-    table: Mapping[str, Any], files: Files
-) -> tuple[str, MapsTable, Source, dict[str, str]]:
-    """Read `[maps]`: the source's name, its options, the source, and digests of its inputs."""
-    place = files.table("maps")
-    name, options = read_source(table, _SOURCES, "random", place)
-    if isinstance(options, CellTable):
-        return name, options, options, {}
-    if isinstance(options, ChartTable):
-        grid, digest = read_chart(
-            options.map, options.cell_size, options.refine, files.folder, place
-        )
-        return name, options, ChartSource(grid, options), {options.map: digest}
-    with saying_where(place):
-        source = scen_source(options, files.folder, place)
-        lines = hashlib.sha256(read_bytes(files.folder / options.scen)).hexdigest()
-    inputs = {options.scen: lines, source.chart.name: map_digest(source.chart)}
-    return name, options, source, inputs

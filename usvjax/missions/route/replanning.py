@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from numpy.typing import ArrayLike, NDArray
@@ -295,21 +294,3 @@ def _squares(ax: Axes, cells: BoolArray, grid: GridMap, colour: str) -> PatchCol
     collection = PatchCollection(squares, facecolor=colour, edgecolor="none", zorder=2)
     ax.add_collection(collection, autolim=False)
     return collection
-
-
-def plot_replanning(episode: Replanning, step: int) -> Figure:
-    """Draw one step of an episode.
-
-    Args:
-        episode: what to show, from `replanning_of`.
-        step: moves since the start.
-
-    Returns:
-        The figure, 170 mm wide.
-
-    Raises:
-        BadInputError: there is no such step.
-    """
-    view = ReplanningView(episode)
-    view.show(step)
-    return view.fig

@@ -6,19 +6,21 @@ and j (see `usvjax.maps.draws`). Random maps of several densities share their un
 denser one only has more blocked cells.
 """
 
+import hashlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from usvjax.errors import BadInputError
+from usvjax.errors import BadInputError, saying_where
 from usvjax.maps import GridMap
 from usvjax.maps.cells import OnOwnMaps, check_cells, maps_of_jobs
-from usvjax.maps.chart import OnChart, inflated
+from usvjax.maps.chart import OnChart, inflated, map_digest, on_chart
+from usvjax.maps.disk import read_bytes
 from usvjax.maps.ends import ENDS, check_ends, draw_ends, end_groups
 from usvjax.maps.scen import Scen, read_scen
-from usvjax.maps.tables import check_length
+from usvjax.maps.tables import Opened, check_length
 
 
 @dataclass(frozen=True)
@@ -195,7 +197,14 @@ Source = CellTable | ChartSource | ScenSource
 """What draws the queries of a condition."""
 
 
-def scen_source(table: ScenTable, folder: Path, where: str) -> ScenSource:
-    """Read the files of a `ScenTable`; see `usvjax.maps.scen.read_scen`."""
-    scen = read_scen(table.scen, table.map, table.cell_size, folder, where)
-    return ScenSource(scen.chart, table, scen)
+def opened(table: CellTable | ChartTable | ScenTable, folder: Path, where: str) -> Opened[Source]:
+    """What a `[maps]` table asks for, with its files read; see `usvjax.maps.tables.read_maps`."""
+    if isinstance(table, CellTable):
+        return Opened(table, table)
+    if isinstance(table, ChartTable):
+        return on_chart(table, ChartSource, folder, where)
+    with saying_where(where):
+        scen = read_scen(table.scen, table.map, table.cell_size, folder, where)
+        lines = hashlib.sha256(read_bytes(folder / table.scen)).hexdigest()
+    inputs = {table.scen: lines, scen.chart.name: map_digest(scen.chart)}
+    return Opened(table, ScenSource(scen.chart, table, scen), inputs)

@@ -16,7 +16,7 @@ GROWTH = 4
 
 
 @dataclass(frozen=True)
-class Estimate:
+class Forecast:
     """What a study would take.
 
     Attributes:
@@ -35,7 +35,7 @@ class Estimate:
     conditions: int
 
 
-def estimate(spec: StudySpec, budget: float = 20.0) -> Estimate:
+def forecast(spec: StudySpec, budget: float = 20.0) -> Forecast:
     """Try a few episodes, in memory, and scale up.
 
     Args:
@@ -62,7 +62,7 @@ def estimate(spec: StudySpec, budget: float = 20.0) -> Estimate:
         _trial(spec, chosen, tried)
         seconds, size = _trial(spec, chosen, tried)
     scale = spec.episodes / tried * len(spec.conditions) / len(chosen)
-    return Estimate(seconds * scale, first, round(size * scale), tried, len(chosen))
+    return Forecast(seconds * scale, first, round(size * scale), tried, len(chosen))
 
 
 def _trial(spec: StudySpec, conditions: list[int], episodes: int) -> tuple[float, int]:
