@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -39,8 +39,7 @@ class Waters:
     speed: float = 2.0
 
 
-@dataclass(frozen=True)
-class Scene:
+class Scene(NamedTuple):
     """Where J vessels sail: rocks float[J, K, 2] (m), the current float[J, 2] (m/s)."""
 
     waters: Waters
@@ -85,8 +84,11 @@ class Drift:
     def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
         """Read the table, and refuse what cannot be meant."""
         waters = read_table(Waters, tables["drift"], files.table("drift"))
-        if not waters.speed > waters.current >= 0.0:
-            raise BadInputError(f"{files.table('drift')}: 'speed' must exceed 'current'")
+        least = {"rocks": 0, "current": 0, "gain": 0, "size": 1e-3, "radius": 1e-3, "reach": 1e-3}
+        least["speed"] = waters.current + 1e-3
+        for name, low in least.items():
+            if not low <= getattr(waters, name) < np.inf:
+                raise BadInputError(f"{files.table('drift')}: {name!r} must be at least {low:g}")
         return Case({"drift": asdict(waters)}, {}, waters)
 
     def pose(self, case: Case, seed: int, jobs: np.ndarray) -> Scene:
@@ -107,10 +109,9 @@ class Drift:
         found = sail(scene.rocks, scene.current, np.float32(method == "allowed"), numbers)
         places, status = map(np.asarray, found)
         places = np.pad(places.astype(float), ((0, 0), (1, 0), (0, 0)))  # all start at (0, 0)
-        ended = status[:, -1] > 0
-        steps = np.where(ended, (status > 0).argmax(axis=1) + 1, STEPS)
+        steps = np.where(status[:, -1] > 0, (status > 0).argmax(axis=1) + 1, STEPS)
         length = np.hypot(*np.moveaxis(np.diff(places, axis=1), -1, 0)).sum(axis=1)
-        status = np.where(ended, status[:, -1], Status.TIMED_OUT).astype(np.int32)
+        status = np.where(status[:, -1] > 0, status[:, -1], Status.TIMED_OUT).astype(np.int32)
         columns = {"status": status, "time": DT * steps, "path_length": length}
         return Outcome(columns, self._recorded(scene, places, steps) if record else None)
 
@@ -134,10 +135,9 @@ class Drift:
         job, _ = replay.example(last := run.table()["condition"].max())
         found = {m: replay(last, m, [job]).recording for m in run.methods}
         tracks = {method: recording.tracks[0].places[:, 0] for method, recording in found.items()}
-        ground = found[run.methods[0]].grounds[0]
-        ends = (point for (point,) in ground.marks.values())
-        title = f"{run.labels[last]}, job {job}"
-        yield "paths", plot_paths(ground.circles, ground.radius, tracks, *ends, title=title)
+        g = found[run.methods[0]].grounds[0]
+        ends, title = (point for (point,) in g.marks.values()), f"{run.labels[last]}, job {job}"
+        yield "paths", plot_paths(g.circles, g.radius, tracks, *ends, title=title)
 
     def film(self, replayed: Replayed, row: int) -> Any:
         """The vessel on its way."""

@@ -188,3 +188,10 @@ def test_a_missing_plugin_is_said(folder):
     (folder / "mydrift.py").unlink()
     with pytest.raises(BadInputError, match=r"cannot read the plugin 'mydrift.py': No such file"):
         load_spec(folder / "mine.toml")
+
+
+@pytest.mark.parametrize(("key", "value"), [("rocks", -1), ("radius", -5.0), ("speed", 0.2)])
+def test_the_example_refuses_what_cannot_be_meant(folder, key, value):
+    (folder / "mine.toml").write_text(f"{STUDY}\n[drift]\n{key} = {value}\n")
+    with pytest.raises(BadInputError, match=rf"\[drift\]: '{key}' must be at least"):
+        load_spec(folder / "mine.toml")
