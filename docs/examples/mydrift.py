@@ -48,13 +48,14 @@ class Scene(NamedTuple):
 
 
 DT, STEPS, ARRIVED = 0.5, 400, 3.0  # s; periods of an episode at most; m from the goal
+BLOCK = 64  # jobs in a call: in one shape a job is rounded as it is among any others
 
 
 @jax.jit
 @partial(jax.vmap, in_axes=(0, 0, None, None))
 def sail(rocks, current, known, numbers):  # one vessel; vmap makes it J of them
     """Places float[STEPS, 2] (m) and status int[STEPS] after each step, kept once it has ended."""
-    gain, reach, speed, radius, size = numbers
+    gain, reach, speed, r, size = numbers
 
     def step(state, _):
         place, status = state
@@ -64,11 +65,9 @@ def sail(rocks, current, known, numbers):  # one vessel; vmap makes it J of them
         wanted = (size - place) / jnp.linalg.norm(size - place) + push
         through = speed * wanted / jnp.linalg.norm(wanted) - known * current
         after = place + DT * (through + current)
-        status_after = jnp.where(jnp.linalg.norm(size - after) < ARRIVED, Status.REACHED, 0)
-        hit = (jnp.linalg.norm(after - rocks, axis=-1) < radius).any()
-        status_after = jnp.where(hit, Status.COLLIDED, status_after)
-        state = jnp.where(status, place, after), jnp.where(status, status, status_after)
-        return state, state
+        end = jnp.where(jnp.linalg.norm(size - after) < ARRIVED, Status.REACHED, 0)
+        now = jnp.where((jnp.linalg.norm(after - rocks, axis=-1) < r).any(), Status.COLLIDED, end)
+        return (state := (jnp.where(status, place, after), jnp.where(status, status, now))), state
 
     return jax.lax.scan(step, (jnp.zeros(2), jnp.int32(0)), None, length=STEPS)[1]
 
@@ -94,10 +93,9 @@ class Drift:
     def pose(self, case: Case, seed: int, jobs: np.ndarray) -> Scene:
         """Draw rocks and currents: job j from its own key, whatever the other jobs are."""
         waters: Waters = case.given
-        key = jax.random.key(seed, impl="threefry2x32")
-        keys = jax.vmap(partial(jax.random.fold_in, key))(jnp.asarray(jobs, jnp.uint32))
-        draw = jax.vmap(lambda key: jax.random.uniform(key, (waters.rocks + 1, 2), jnp.float32))
-        drawn = np.asarray(draw(keys))
+        key, shape = jax.random.key(seed, impl="threefry2x32"), (waters.rocks + 1, 2)
+        draw = lambda job: jax.random.uniform(jax.random.fold_in(key, job), shape, jnp.float32)
+        drawn = np.asarray(jax.vmap(draw)(jnp.asarray(jobs, jnp.uint32)))
         angle = 2.0 * np.pi * drawn[:, 0, 0]
         current = waters.current * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         return Scene(waters, waters.size * (0.15 + 0.7 * drawn[:, 1:]), current)
@@ -106,8 +104,10 @@ class Drift:
         """Sail, and measure."""
         w = scene.waters
         numbers = np.float32([w.gain, w.reach, w.speed, w.radius, w.size])
-        found = sail(scene.rocks, scene.current, np.float32(method == "allowed"), numbers)
-        places, status = map(np.asarray, found)
+        known, jobs = np.float32(method == "allowed"), len(scene.rocks)
+        rows = np.minimum(np.arange(-(-jobs // BLOCK) * BLOCK), jobs - 1).reshape(-1, BLOCK)
+        found = [sail(scene.rocks[r], scene.current[r], known, numbers) for r in rows]
+        places, status = (np.concatenate(part)[:jobs] for part in zip(*found, strict=True))
         places = np.pad(places.astype(float), ((0, 0), (1, 0), (0, 0)))  # all start at (0, 0)
         steps = np.where(status[:, -1] > 0, (status > 0).argmax(axis=1) + 1, STEPS)
         length = np.hypot(*np.moveaxis(np.diff(places, axis=1), -1, 0)).sum(axis=1)

@@ -35,6 +35,7 @@ from usvjax.tables import check_keys, field_names, read_values
 from usvkernels.status import EPISODE_ENDINGS
 
 DEFAULT_PRESET = "tan2022"
+_PRESET_WORDS = f"the set to start from: {', '.join(preset_names())}; {DEFAULT_PRESET} if left out."
 
 _SOURCES = {"lattice": LatticeTable, "random": DiscTable, "grid": ChartTable}
 
@@ -54,7 +55,7 @@ class DwaMission:
             "params": Table(
                 "numbers of the method and of the vessel",
                 {"": DwaParams},
-                extra={"preset": f"the set to start from; one of {', '.join(preset_names())}."},
+                extra={"preset": _PRESET_WORDS},
             ),
             "static": Table("sizes and choices of method", {"": DwaStatic}, without=("method",)),
         }

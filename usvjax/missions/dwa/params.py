@@ -48,7 +48,7 @@ class DwaParams:
             Not printed.
         clear_distance: distance to obstacles that scores where none counts (m; above 0). Not
             printed.
-        radius: of the circle about an obstacle's centre that must not be entered (m; 0 or more,
+        radius: of the circle about an obstacle's centre which must not be entered (m; 0 or more,
             and at least one step dt at full speed). Tables 2 to 4.
         goal_tolerance: distance from the goal at which it is reached (m; above 0). Not printed.
         stuck_distance: a vessel that stays within this (m; 0 or more) for stuck_time is stuck.
@@ -92,8 +92,10 @@ class DwaStatic:
     Attributes:
         method: which obstacles count ("traditional": all of them; "improved": those that the
             search sector at the predicted position meets; Tan et al. 2022, section 3).
-        n_v: candidates along the speed (1 to 1000, at least what the window can hold).
-        n_w: candidates along the yaw rate (1 to 1000, at least what the window can hold).
+        n_v: candidates along the speed (1 to 1000, at least what the window can hold). In a study
+            as many as that, when left out.
+        n_w: candidates along the yaw rate (1 to 1000, at least what the window can hold). In a
+            study as many as that, when left out.
         horizon: steps of the predicted trajectory, which lasts horizon * dt (1 to 10000).
         clearance: where the distance to obstacles is taken ("endpoint": at the predicted
             position, as in Tan's Fig. 1; "trajectory": the least over all predicted positions;
@@ -107,7 +109,7 @@ class DwaStatic:
             false).
         plant: how the vessel moves in a control period ("unicycle": along the old heading, then
             it turns, Eq. 1; "heading_first": it turns, then moves, as one widely used demo has
-            it; in Python also a function, see below).
+            it; in Python also a function of one's own).
         when_blocked: what a vessel without an admissible candidate does ("brake": both rates
             towards zero; "turn": brake, and turn on towards the goal).
         max_steps: bound on the steps of an episode (1 to 10000000). The default, 150 s, is twice
