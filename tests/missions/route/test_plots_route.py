@@ -310,7 +310,7 @@ def test_the_tables_of_a_run_fit_80_columns(run):
 
 def test_a_run_on_another_map_is_not_drawn(run, tmp_path):
     save_map(chart(), tmp_path / "pond.map")
-    with pytest.raises(BadInputError, match=r"the map pond\.map is not the one"):
+    with pytest.raises(BadInputError, match=r"pond\.map is not what"):
         figures_for_run(run, folder=tmp_path)
 
 
