@@ -60,6 +60,7 @@ class Checkout:
             subprocess.run(
                 [sys.executable, "-c", _MAIN, *command],
                 check=True,
+                cwd=name,  # from which Python would import first
                 env=self.variables,
                 stdout=subprocess.DEVNULL,
             )

@@ -123,7 +123,7 @@ def _planned(
 
     history = np.zeros((len(rows), request.iterations))
     moves = [np.zeros(0, np.int64)] * len(rows)
-    for part, (made, lengths) in zip(batch.blocks, batch.run(work), strict=True):
+    for part, (made, lengths) in zip(batch.blocks, batch.each(work), strict=True):
         history[part] = lengths
         for row, one in zip(part, made, strict=True):
             moves[row] = one

@@ -165,7 +165,7 @@ def _sail(task: _Task) -> DstarLiteResult:
         devices = chosen_devices()
         parts = _parts(task, rows, len(devices))
         room = _room(task, len(parts[0]), len(devices))
-        found = Batch(parts, room.rows, devices).run(partial(_sail_part, task, room))
+        found = Batch(parts, room.rows, devices).each(partial(_sail_part, task, room))
         for part, (part_records, part_busy, part_total) in zip(parts, found, strict=True):
             records[part] = part_records
             busy, total = busy + part_busy, total + part_total

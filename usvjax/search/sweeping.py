@@ -166,7 +166,7 @@ def _solve_rows(
         leave = sweep.lanes // LEFT_OVER if groups >= LEAST_GROUPS * len(devices) else 0
         batch = grouped_batch(rows, sweep.lanes, MOST_ROWS // sweep.lanes, devices)
         work = partial(_solve_block, scene, sweep, path_cells, leave)
-        for block, routes in zip(batch.blocks, batch.run(work), strict=True):
+        for block, routes in zip(batch.blocks, batch.each(work), strict=True):
             path_cells = max(path_cells, bucket(table.take(block, routes, sweep.units)))
         rows = rows[table.status[rows] == Status.RUNNING]
 
