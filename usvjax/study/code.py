@@ -59,8 +59,7 @@ def sources(mission: Mission, plugin: Path | None = None) -> dict[str, bytes]:
 
 def beside(path: Path) -> dict[str, bytes]:
     """The source of the files that a plug-in imports from its own folder, itself among them."""
-    found = _sources({path}, frozenset())
-    return {key: source for key, source in found.items() if (path.parent / key).is_file()}
+    return _sources({path}, frozenset(), ours=False)
 
 
 def _file_of(kind: type) -> Path:
@@ -81,8 +80,11 @@ def _own_sources(starts: tuple[Path, ...], names: frozenset[str]) -> dict[str, b
     return _sources(set(starts), names)
 
 
-def _sources(starts: set[Path], names: frozenset[str]) -> dict[str, bytes]:
-    """Sources of the files and of what they import, without drawing methods of these classes."""
+def _sources(starts: set[Path], names: frozenset[str], ours: bool = True) -> dict[str, bytes]:
+    """Sources of the files and of what they import, without drawing methods of these classes.
+
+    Of our own modules only where `ours`.
+    """
     found: dict[str, bytes] = {}
     waiting = list(starts)
     folders = {path.parent for path in starts if _package_of(path) is None}
@@ -94,7 +96,8 @@ def _sources(starts: set[Path], names: frozenset[str]) -> dict[str, bytes]:
         source = path.read_bytes()
         tree = ast.parse(source)
         found[key] = _without_drawing(source, tree, names) if path in starts else source
-        waiting += filter(None, (_file(module, folders) for module in _imports(tree)))
+        imported = filter(None, (_file(module, folders) for module in _imports(tree)))
+        waiting += (file for file in imported if ours or not _package_of(file))
     return found
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.batches import bucket, filled, split
 from usvjax.memory import check_memory
 from usvjax.missions.cruise.following import Followers, follow_paths
 from usvjax.missions.cruise.inputs import Expedition
@@ -81,9 +82,8 @@ class LegPlanner:
             rows: int[n], cruises.
             planned: int32[B], plans of each so far.
         """
-        size = 1 << (len(rows) - 1).bit_length()  # few sizes to compile
-        filled = np.resize(rows, size)
-        return _folded(self.key, filled + self.first, planned[filled])[: len(rows)]
+        padded = filled(rows, bucket(len(rows)))  # few sizes to compile
+        return _folded(self.key, padded + self.first, planned[padded])[: len(rows)]
 
 
 @jax.jit
@@ -123,7 +123,7 @@ def sail_in_rounds(
     """
     height, width = expedition.shape
     most = max(1, MOST_CELLS // (height * width))
-    blocks = np.array_split(np.arange(len(expedition)), -(-len(expedition) // most))
+    blocks = split(np.arange(len(expedition)), most)
     longest = len(blocks[0])
     what = f"blocked: {longest} cruises at once on {width} x {height} cells"
     check_memory(_PLANES * longest * height * width, what)
