@@ -17,8 +17,9 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 """Names that the public contract reserves."""
 
 FLOORS = (
-    ("devices", "errors", "suggest", "exports", "version"),
-    ("checks", "statistics", "batches", "programs", "tables"),
+    ("errors", "suggest", "exports", "version", "ambient"),
+    ("devices", "checks", "statistics", "tables"),
+    ("batches", "programs", "public"),
     ("keys", "memory", "sections"),
     ("maps",),
     ("mission", "swarms"),

@@ -44,6 +44,20 @@ def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndar
     return array
 
 
+def shown(value: object) -> str:
+    """A value for a message: on one line, and short however long it is."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # a user's class may fail; Python prints no number of 4,300 digits
+        text = f"a {type(value).__name__}"
+    printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+    return printable if len(printable) <= MOST_SHOWN else f"{printable[: MOST_SHOWN - 3]}..."
+
+
+MOST_SHOWN = 60
+"""Letters of a value in a message."""
+
+
 def one_of(name: str, value: object, allowed: Iterable[str]) -> None:
     """Refuse a value that is not among the allowed names.
 

@@ -9,6 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from usvjax.errors import BadInputError, BadTypeError
+
 if TYPE_CHECKING:
     import jax
 
@@ -40,8 +42,15 @@ def use_all_cores(count: int | None = None) -> None:
     already started) stays as it is.
 
     Args:
-        count: number of host devices; by default the cores that this process may use.
+        count: number of host devices, 1 or more; by default the cores that this process may use.
+
+    Raises:
+        BadTypeError, BadInputError: not such a number.
     """
+    if count is not None and (isinstance(count, bool) or not isinstance(count, int)):
+        raise BadTypeError(f"count: got {type(count).__name__}; wanted a whole number")
+    if count is not None and count < 1:
+        raise BadInputError(f"count: got {count}; wanted 1 or more")
     made = _VARIABLE in os.environ or _FLAG in os.environ.get("XLA_FLAGS", "")
     if made and count is None:
         return
@@ -105,6 +114,8 @@ def share_out(
     Yields:
         What `work` returned, in the order of the items.
     """
+    from usvjax.ambient import pinned
+
     free: queue.SimpleQueue[jax.Device] = queue.SimpleQueue()
     for device in devices:
         free.put(device)
@@ -112,7 +123,8 @@ def share_out(
     def on_free_device(item: Item) -> Done:
         device = free.get()
         try:
-            return work(item, device)
+            with pinned():  # which holds for one thread only
+                return work(item, device)
         finally:
             free.put(device)
 

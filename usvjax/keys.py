@@ -5,10 +5,19 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.checks import whole_number
+from usvjax.ambient import GENERATOR
+from usvjax.checks import shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 
-_THREEFRY = "threefry2x32"
+
+def seed_key(seed: int) -> jax.Array:
+    """The key of a seed from 0 to 2**32 - 1: `jax.random.key(seed)` as JAX is by default.
+
+    Made of its two words, so that it depends neither on JAX's default generator nor on the offset
+    that JAX adds to seeds where jax_random_seed_offset is set.
+    """
+    words: Any = np.array([0, seed], np.uint32)
+    return jax.random.wrap_key_data(words, impl=GENERATOR)
 
 
 def as_key(key: Any) -> jax.Array:
@@ -24,23 +33,23 @@ def as_key(key: Any) -> jax.Array:
     if isinstance(key, jax.Array) and key.ndim > 0 and key.dtype == np.uint32:
         if key.shape != (2,):
             raise BadInputError(f"key: got shape {key.shape}; wanted one threefry key, uint32[2]")
-        return jax.random.wrap_key_data(key, impl=_THREEFRY)
+        return jax.random.wrap_key_data(key, impl=GENERATOR)
     if isinstance(key, jax.Array) and jax.dtypes.issubdtype(key.dtype, jax.dtypes.prng_key):
         return _checked_key(key)
     if isinstance(key, bool) or not isinstance(key, int | np.integer):
-        raise BadTypeError(f"key: got {key!r}; wanted an integer seed or a JAX key")
+        raise BadTypeError(f"key: got {shown(key)}; wanted an integer seed or a JAX key")
     if not 0 <= key < 2**32:
-        raise BadInputError(f"key: got {key}; wanted a seed from 0 to 2**32 - 1")
-    return jax.random.key(int(key), impl=_THREEFRY)
+        raise BadInputError(f"key: got {shown(key)}; wanted a seed from 0 to 2**32 - 1")
+    return seed_key(int(key))
 
 
 def _checked_key(key: jax.Array) -> jax.Array:
     if key.shape != ():
         raise BadInputError(f"key: got an array of shape {key.shape}; wanted one key")
     kind = str(jax.random.key_impl(key))
-    if kind != _THREEFRY:
+    if kind != GENERATOR:
         # A batch of keys of the other kinds does not draw each key's own stream.
-        raise BadInputError(f"key: got a {kind!r} key; wanted {_THREEFRY!r}, the JAX default")
+        raise BadInputError(f"key: got a {kind!r} key; wanted {GENERATOR!r}, the JAX default")
     return key
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from usvjax.checks import one_of
+from usvjax.public import public
 from usvjax.registry import presets_by_mission
 
 
@@ -23,6 +24,7 @@ class Preset:
     source: str
 
 
+@public()
 def preset(name: str, mission: str = "dwa") -> Preset:
     """A parameter set by name.
 
@@ -39,6 +41,7 @@ def preset(name: str, mission: str = "dwa") -> Preset:
     return sets[name]
 
 
+@public()
 def preset_names(mission: str = "dwa") -> tuple[str, ...]:
     """Names of a mission's parameter sets.
 

@@ -46,7 +46,7 @@ def call(**changes: Any) -> None:
     [
         ({"algorithm": "gwoo"}, BadInputError, r"algorithm: got 'gwoo'; did you mean 'gwo'\?"),
         ({"algorithm": "IGWO"}, BadInputError, r"algorithm: got 'IGWO'; did you mean 'igwo'\?"),
-        ({"algorithm": 3}, BadInputError, "algorithm: got 3; valid: aco, cmpso, ga, gwo, igwo"),
+        ({"algorithm": 3}, BadTypeError, "algorithm: got 3; wanted a string"),
         ({"dim": 0}, BadInputError, "dim: got 0; wanted 1 or more"),
         ({"dim": 2.0}, BadTypeError, "dim: got 2.0; wanted a whole number"),
         ({"runs": 0}, BadInputError, "runs: got 0; wanted 1 or more"),

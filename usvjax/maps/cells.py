@@ -11,6 +11,7 @@ from usvjax.checks import whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.keys import as_key
 from usvjax.maps.tables import check_share
+from usvjax.public import public
 from usvkernels import grids
 
 # Cells drawn per call: bounds the memory of the uniform fields (16 bytes a cell) to 64 MB.
@@ -19,6 +20,7 @@ _CELLS_PER_CALL = 4_000_000
 _draw = jax.jit(grids.random_blocked, static_argnums=(1, 2))
 
 
+@public("usvkernels.grids")
 def random_maps(
     key: Any,
     n: int,

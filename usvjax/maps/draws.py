@@ -13,6 +13,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.keys import seed_key
+
 _BLOCK = 64
 
 
@@ -25,7 +27,7 @@ class Stream(IntEnum):
 
 def uniform_fields(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:
     """Uniform numbers in [0, 1), float64[J, count], row j from `fold_in(key(seed), jobs[j])`."""
-    return np.asarray(_fields(jax.random.key(seed), jnp.asarray(jobs, jnp.uint32), count), float)
+    return np.asarray(_fields(seed_key(seed), jnp.asarray(jobs, jnp.uint32), count), float)
 
 
 def uniform_points(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:
@@ -36,7 +38,7 @@ def uniform_points(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:
     """
     # Drawn in blocks, so that a sweep over counts meets few shapes to compile.
     blocks = -(-count // _BLOCK) * _BLOCK
-    drawn = _points(jax.random.key(seed), jnp.asarray(jobs, jnp.uint32), blocks)
+    drawn = _points(seed_key(seed), jnp.asarray(jobs, jnp.uint32), blocks)
     return np.asarray(drawn)[:, :count]
 
 
@@ -103,7 +105,7 @@ def _padded(
     draw: Callable[..., jax.Array], seed: int, jobs: np.ndarray, size: int, *which: int
 ) -> np.ndarray:
     """Let jobs draw, `size` at a time, the last ones padded with job 0: array[J, ...]."""
-    key = jax.random.key(seed)
+    key = seed_key(seed)
     parts = []
     for first in range(0, len(jobs), size):
         some = jobs[first : first + size]

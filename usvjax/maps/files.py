@@ -10,6 +10,7 @@ from usvjax.maps.grid_map import GridMap
 from usvjax.maps.image import encode_image, read_image
 from usvjax.maps.movingai import encode_movingai, read_movingai
 from usvjax.maps.ros import Unknown, encode_ros, read_ros
+from usvjax.public import public
 
 _MOVINGAI = (".map",)
 _ROS = (".yaml", ".yml")
@@ -17,6 +18,7 @@ _LOSSLESS = (".png", ".pgm")
 _IMAGE = (*_LOSSLESS, ".jpg", ".jpeg")
 
 
+@public()
 def load_map(
     path: Any,
     *,
@@ -61,6 +63,7 @@ def load_map(
     raise BadInputError(_unknown_format(place, (*_MOVINGAI, *_ROS, *_IMAGE)))
 
 
+@public()
 def save_map(grid: GridMap, path: Any, *, replace: bool = True) -> list[Path]:
     """Save a map; loading it again gives the same cells, cell size and origin.
 

@@ -10,6 +10,7 @@ from usvjax import checks
 from usvjax.errors import BadInputError
 from usvjax.maps.files import load_map
 from usvjax.maps.grid_map import GridMap
+from usvjax.public import public
 
 SHIPPED_CELL_SIZES = (250, 500, 1000)
 _FINEST = 250
@@ -20,6 +21,7 @@ _ATTRIBUTION = "Shoreline: GSHHG (Wessel & Smith 1996), LGPL-3.0"
 _NAME = re.compile(r"hongze-(\d+(?:\.\d+)?)")
 
 
+@public()
 def hongze_lake(cell_size: float = 250) -> GridMap:
     """Hongze Lake, Jiangsu, China: about 2,240 km2 of water and its islands, north up.
 
@@ -52,6 +54,7 @@ def hongze_lake(cell_size: float = 250) -> GridMap:
     return _shipped(_FINEST).refined(factor)
 
 
+@public()
 def find_map(
     name: Any, *, cell_size: float | None = None, origin: tuple[float, float] | None = None
 ) -> GridMap:

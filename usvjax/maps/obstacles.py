@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from usvjax import checks
 from usvjax.checks import byte_size, whole_number
 from usvjax.errors import BadInputError
+from usvjax.public import public
 from usvkernels import grids
 
 _EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=bool)
@@ -23,6 +24,7 @@ MOST_BYTES = 2**31
 _shoreline = jax.jit(grids.shoreline)
 
 
+@public()
 def expand_obstacles(blocked: Any, expansion: float) -> np.ndarray:
     """Scale each connected obstacle by (1 + E) about its centre (Chen 2023, Eq. 4).
 
@@ -81,6 +83,7 @@ def _cell_beside(position: np.ndarray, below: bool, size: int) -> np.ndarray:
     return np.clip(np.floor(position + nudge).astype(int) + 1, 0, size + 1)
 
 
+@public()
 def obstacle_table(blocked: Any, k: int | None, reach_cells: float) -> np.ndarray:
     """List for each free cell the shoreline cells nearest to it.
 

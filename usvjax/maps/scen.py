@@ -13,6 +13,7 @@ import jax
 import numpy as np
 
 from usvjax.errors import BadInputError, saying_where
+from usvjax.keys import seed_key
 from usvjax.maps.disk import read_bytes
 from usvjax.maps.files import load_map
 from usvjax.maps.grid_map import GridMap
@@ -46,7 +47,7 @@ class Scen:
         The file sorts its lines by length, so a study of its first hundred would be one of the
         shortest; job j takes the j-th of a random order of all lines instead.
         """
-        numbers = jax.random.bits(jax.random.key(seed), (len(self),), np.uint32)
+        numbers = jax.random.bits(seed_key(seed), (len(self),), np.uint32)
         rows: np.ndarray = np.argsort(np.asarray(numbers), kind="stable")[jobs]
         return rows
 

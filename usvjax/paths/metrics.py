@@ -13,6 +13,7 @@ from usvjax.checks import not_negative, positive
 from usvjax.devices import QUICKLY_COMPILED
 from usvjax.paths.inputs import EDGE, Frame, check_on_map, path_frame, path_rows, scale
 from usvjax.paths.points import polyline_pieces, sample_pieces, sample_room, without_repeats
+from usvjax.public import public
 from usvkernels.paths import path_metrics as kernel
 
 STEP = 0.5  # cells along a path, between points whose clearance is measured
@@ -44,6 +45,7 @@ class PathMetrics:
     energy: np.ndarray
 
 
+@public("usvkernels.paths")
 def path_metrics(
     paths: Any,
     lengths: Any,

@@ -15,6 +15,7 @@ from usvjax.memory import check_memory
 from usvjax.paths.inputs import Frame, Paths, path_frame, path_rows, scale
 from usvjax.paths.points import MOST_SAMPLES
 from usvjax.paths.water import check_on_water
+from usvjax.public import public
 from usvkernels.paths import bspline as spline_kernel
 from usvkernels.paths import smoothing
 from usvkernels.paths.charts import Charts
@@ -67,6 +68,7 @@ class Splines:
     counts: np.ndarray
 
 
+@public("usvkernels.paths")
 def shorten(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool = False) -> KeyPaths:
     """Pull paths straight: from each point kept on to the last before the first out of sight.
 
@@ -92,6 +94,7 @@ def shorten(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool = Fa
     return _pruned(paths, lengths, blocked, corner_cutting, repeat=False)
 
 
+@public("usvkernels.paths")
 def key_points(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool = False) -> KeyPaths:
     """Drop points whose neighbours see each other, until no such point is left.
 
@@ -107,6 +110,7 @@ def key_points(paths: Any, lengths: Any, blocked: Any, *, corner_cutting: bool =
     return _pruned(paths, lengths, blocked, corner_cutting, repeat=True)
 
 
+@public("usvkernels.paths")
 def redensify(
     paths: Any, lengths: Any, unit: float, *, cell_size: float | None = None, origin: Any = None
 ) -> DensePaths:
@@ -152,6 +156,7 @@ def redensify(
     return DensePaths(np.where(at_end[..., None], points[:, -1:], dense), count)
 
 
+@public("usvkernels.paths")
 def bspline(
     paths: Any,
     lengths: Any,

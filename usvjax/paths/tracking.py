@@ -16,6 +16,7 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.memory import check_memory
 from usvjax.paths.inputs import EDGE, Frame, Paths, check_on_map, path_frame, path_rows
 from usvjax.paths.points import polyline_pieces, sample_pieces, sample_room, without_repeats
+from usvjax.public import public
 from usvkernels.paths import tracking as kernel
 from usvkernels.paths.charts import Charts
 from usvkernels.paths.tracking import TrackParams
@@ -52,6 +53,7 @@ class Tracks:
     distance: np.ndarray
 
 
+@public("usvkernels.paths")
 def track_paths(
     paths: Any,
     lengths: Any,

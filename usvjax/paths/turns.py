@@ -14,6 +14,7 @@ from usvjax.paths.inputs import Frame, path_frame, path_rows
 from usvjax.paths.points import sample_pieces, sample_room, without_idle_points
 from usvjax.paths.turn_repair import repair_corners
 from usvjax.paths.water import check_on_water
+from usvjax.public import public
 from usvkernels.paths.turning import Turn
 
 
@@ -105,6 +106,7 @@ class SmoothTurns:
     curvature_bound: np.ndarray
 
 
+@public("usvkernels.paths")
 def smooth_turns(
     paths: Any,
     lengths: Any,

@@ -10,6 +10,7 @@ from usvjax.checks import one_of
 from usvjax.planners import aco, rows
 from usvjax.planners.inputs import Request, planner_request
 from usvjax.planners.tracks import Tracks
+from usvjax.public import public
 from usvjax.search.inputs import SearchScene, search_scene
 from usvkernels.status import Status
 
@@ -43,6 +44,7 @@ class PlanResult:
     history: np.ndarray
 
 
+@public("usvkernels.planners")
 def plan_paths(
     blocked: Any,
     starts: Any,

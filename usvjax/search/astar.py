@@ -12,6 +12,7 @@ from usvjax.checks import not_negative, one_of, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.memory import check_memory
+from usvjax.public import public
 from usvjax.search import sweeping
 from usvjax.search.inputs import SearchScene, check_options, search_scene
 from usvjax.search.paths import TracedPaths, check_paths, trace, turning_of
@@ -62,6 +63,7 @@ class AstarResult:
     engine: str
 
 
+@public("usvkernels.search")
 def astar(
     blocked: Any,
     starts: Any,

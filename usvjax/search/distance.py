@@ -11,6 +11,7 @@ from usvjax.checks import one_of
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.memory import check_memory
+from usvjax.public import public
 from usvjax.search.inputs import check_options, search_maps
 from usvjax.search.sweeping import (
     MOST_LANES,
@@ -28,6 +29,7 @@ MOST_CELLS = 1 << 22  # per call of a device; memory does not grow past it
 _GOALS = "int [B, G, 2], int [B, 2] or [2], cells as (x, y), rows of -1 as padding"
 
 
+@public("usvkernels.search")
 def distance_field(
     blocked: Any,
     goals: Any,

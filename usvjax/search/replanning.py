@@ -11,6 +11,7 @@ from usvjax.batches import Batch, bucket, deal, sized
 from usvjax.checks import whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.memory import check_memory
+from usvjax.public import public
 from usvjax.search.inputs import SearchScene, search_scene
 from usvjax.search.replan_inputs import (
     check_method,
@@ -58,6 +59,7 @@ class DstarLiteResult:
     occupancy: float
 
 
+@public("usvkernels.search")
 def dstar_lite(
     blocked: Any,
     starts: Any,

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from usvjax.errors import BadInputError
 from usvjax.plots import style
+from usvjax.public import public
 from usvjax.study.reader import load_run
 from usvjax.study.replay import Replay
 
@@ -16,6 +17,7 @@ MAX_EXAMPLES = 4
 MAX_PATHS = 200
 
 
+@public()
 def figures_for_run(
     run_dir: str | Path,
     *,

@@ -8,6 +8,7 @@ from typing import Any
 import polars as pl
 
 from usvjax.errors import BadInputError
+from usvjax.public import public
 from usvjax.study.looks import look_level, look_schedule
 from usvjax.study.store import read_manifest
 
@@ -96,6 +97,7 @@ def _shard(file: Path) -> pl.DataFrame:
         raise BadInputError(f"{file} is damaged; run the study again, which replaces it") from error
 
 
+@public()
 def load_run(path: str | Path) -> Run:
     """Open a run directory for reading.
 

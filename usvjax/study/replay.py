@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 
+from usvjax.ambient import pinned
 from usvjax.errors import BadInputError
 from usvjax.mission import Case, Files, Metric, Mission, Replayed
 from usvjax.registry import find_mission
@@ -52,6 +53,7 @@ class Replay:
         """Of the run; a plug-in is loaded."""
         return mission_of(self.run, self.folder)
 
+    @pinned()
     def __call__(self, condition: int, method: str, jobs: Sequence[int]) -> Replayed:
         """Run episodes again, recording them.
 

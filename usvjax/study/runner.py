@@ -16,6 +16,7 @@ import jax
 import numpy as np
 import polars as pl
 
+from usvjax.ambient import pinned
 from usvjax.errors import BadInputError
 from usvjax.study.looks import look_level, look_schedule, narrow_enough
 from usvjax.study.spec import StudySpec
@@ -277,6 +278,7 @@ class _Crew:
         return len(unit_jobs(self.spec, unit)) * len(self.spec.methods)
 
 
+@pinned()
 def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame:
     """Run one unit and check what came back.
 

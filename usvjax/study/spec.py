@@ -19,6 +19,7 @@ from typing import Any
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.mission import Case, Files, Mission
+from usvjax.public import public
 from usvjax.registry import find_mission, mission_kinds
 from usvjax.sections import (
     check_homes,
@@ -151,6 +152,7 @@ class StudySpec:
         return hashlib.sha256(text.encode()).hexdigest()
 
 
+@public()
 def load_spec(path: str | Path) -> StudySpec:
     """Read a study file.
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from usvjax.public import public
 from usvjax.study.code import code_digest
 from usvjax.study.report import markdown
 from usvjax.study.runner import Listener, pick_devices, run_episodes
@@ -25,6 +26,7 @@ class StudyResult:
     summary: dict[str, Any]
 
 
+@public()
 def run_study(
     study: StudySpec | str | Path,
     out: str | Path = "runs",

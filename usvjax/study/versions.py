@@ -14,7 +14,6 @@ COMPARED = {
     "jax": "jax version",
     "jaxlib": "jaxlib version",
     "device": "device kind",
-    "x64": "64-bit mode",
 }
 """Entries of `environment` that decide results, with words for them; runs may not mix them."""
 
@@ -36,5 +35,4 @@ def environment(code: str) -> dict[str, Any]:
         "python": platform.python_version(),
         **{name: version(name) for name in packages},
         "device": f"{device.platform} {device.device_kind}",
-        "x64": bool(jax.config.read("jax_enable_x64")),
     }

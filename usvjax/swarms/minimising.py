@@ -9,14 +9,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.ambient import precision
 from usvjax.batches import Batch, bucket, split
 from usvjax.checks import one_of, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.keys import as_key
 from usvjax.memory import check_memory
+from usvjax.public import public
 from usvjax.swarms.algorithms import ALGORITHMS, Params, Static, checked_params, checked_static
 from usvjax.swarms.objective import checked_bounds, checked_objective
-from usvjax.swarms.precision import precision
 from usvkernels import draws
 from usvkernels.swarms.aco import AcoStatic
 from usvkernels.swarms.pack import Box, Found, Objective
@@ -51,6 +52,7 @@ class MinimiseResult:
     evaluations: int
 
 
+@public("usvkernels.swarms")
 def minimise(
     fn: Callable[[jax.Array], Any],
     bounds: Any,
@@ -63,14 +65,14 @@ def minimise(
     population: int | None = None,
     params: Params | None = None,
     static: Static | None = None,
+    dtype: str = "float32",
 ) -> MinimiseResult:
     """Minimise a function of `dim` numbers in independent runs.
 
     Run j depends on the key, j, its parameters and the function alone, not on how many runs there
     are. A function is compiled once for each `algorithm`, `dim`, `population` and `iterations`;
     pass the same function object again, rather than a new lambda, to use the compiled program
-    again. Runs on all devices, or on that of an enclosing `jax.default_device`. In float32, or
-    float64 where JAX has it switched on; values below 1e-38 want that.
+    again. Runs on all devices, or on that of an enclosing `jax.default_device`.
 
     Source: Yu et al. 2022, sections 3.2, 4.1 and 5.3. With its law of a(t) as printed, "igwo" is
     the worse one of the wolves: about 90 on Sphere where "gwo" finds 1e-8. Both look first at the
@@ -92,6 +94,8 @@ def minimise(
             be float[runs], one value per run, for a sweep.
         static: `GwoStatic`, `AcoStatic`, `GaStatic` or `CmpsoStatic` of `usvjax.swarms`, choices of
             method.
+        dtype: "float32" or "float64", of all that is computed, `fn` included, whatever JAX is set
+            to; values below 1e-38 want "float64".
 
     Returns:
         The results, in the order of the runs.
@@ -108,17 +112,17 @@ def minimise(
     runs = whole_number("runs", runs, 1)
     iterations = _default("iterations", iterations, method.iterations)
     population = _default("population", population, method.population)
-    dtype = jnp.result_type(float)
+    one_of("dtype", dtype, ("float32", "float64"))
     low, high = checked_bounds(bounds, dim, dtype)
     chosen = checked_static(algorithm, static, population)
     _check_sizes(dim, runs, iterations, population, chosen)
-    leaves = checked_params(algorithm, params, runs)
     stream = as_key(key)
-    fn = checked_objective(fn, dim, dtype)
-    task = _Task(algorithm, fn, chosen, population, iterations)
-    found = _in_blocks(
-        task, Box(jnp.asarray(low[:, None]), jnp.asarray(high[:, None])), stream, leaves, runs
-    )
+    with precision(double=dtype == "float64"):
+        leaves = checked_params(algorithm, params, runs)
+        fn = checked_objective(fn, dim, dtype)
+        task = _Task(algorithm, fn, chosen, population, iterations)
+        box = Box(jnp.asarray(low[:, None]), jnp.asarray(high[:, None]))
+        found = _in_blocks(task, box, stream, leaves, runs)
     evaluations = population * iterations
     if isinstance(chosen, AcoStatic):
         evaluations += chosen.archive

@@ -10,12 +10,14 @@ import numpy as np
 from usvjax.batches import Batch, split
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
+from usvjax.public import public
 from usvjax.tours.inputs import Legs, checked_legs, truth
 from usvkernels.tours.held_karp import MOST_STATIONS, held_karp
 
 _LANES = 16
 
 
+@public("usvkernels.tours")
 def optimal_tour(points: Any = None, *, distances: Any = None, closed: bool = True) -> np.ndarray:
     """Shortest tours of at most 13 stations, proven. Source: Held and Karp 1962.
 

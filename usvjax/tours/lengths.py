@@ -5,9 +5,11 @@ from typing import Any
 import numpy as np
 
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.public import public
 from usvjax.tours.inputs import Legs, checked_legs, truth
 
 
+@public("usvkernels.tours")
 def tour_length(
     order: Any, points: Any = None, *, distances: Any = None, closed: bool = True
 ) -> np.ndarray:

@@ -14,6 +14,7 @@ from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.keys import as_key, first_run
 from usvjax.memory import check_memory
+from usvjax.public import public
 from usvjax.tours import exact
 from usvjax.tours.algorithms import (
     ALGORITHMS,
@@ -58,6 +59,7 @@ class TourResult:
     algorithm: str
 
 
+@public("usvkernels.tours")
 def solve_tour(
     points: Any = None,
     key: Any = 0,

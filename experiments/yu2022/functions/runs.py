@@ -11,7 +11,6 @@ from experiments.parallel import on_own_devices
 from experiments.yu2022.functions.published import ALGORITHMS, DIM, ITERATIONS, WOLVES
 from usvjax.swarms.algorithms import ALGORITHMS as METHODS
 from usvjax.swarms.minimising import MinimiseResult, minimise
-from usvjax.swarms.precision import precision
 from usvkernels.swarms.functions import TABLE_8, Shifted, shifted
 
 WOLF_BUDGETS = (500, 1000, 1250, 2500, 5000)
@@ -103,17 +102,17 @@ def run_job(job: Job, seed: int) -> MinimiseResult:
     """Run one in float64: the published values lie far below the least float32."""
     function = TABLE_8[job.function]
     fn = function.fn if job.kind != "shifted" else moved(job.function, seed)
-    with precision(True):
-        return minimise(
-            fn,
-            function.bounds,
-            seed,
-            algorithm=job.algorithm,
-            dim=DIM,
-            runs=job.runs,
-            population=job.population,
-            iterations=job.iterations,
-        )
+    return minimise(
+        fn,
+        function.bounds,
+        seed,
+        algorithm=job.algorithm,
+        dim=DIM,
+        runs=job.runs,
+        population=job.population,
+        iterations=job.iterations,
+        dtype="float64",
+    )
 
 
 def moved(name: str, seed: int) -> Shifted:

@@ -13,6 +13,7 @@ import jax
 import numpy as np
 
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.keys import seed_key
 from usvjax.maps import GridMap
 from usvjax.missions.cruise import CruiseResult, cruise
 from usvjax.missions.cruise.inputs import check_expedition, check_heuristic
@@ -219,7 +220,7 @@ def shortest_tours(seed: int, jobs: np.ndarray, legs: np.ndarray, algorithm: str
         legs: float64[J, d, d], distances between stations.
         algorithm: of `solve_tour`.
     """
-    key = jax.random.fold_in(jax.random.key(seed), _TOURS)
+    key = jax.random.fold_in(seed_key(seed), _TOURS)
     return solve_tour(None, key, algorithm=algorithm, distances=legs, first=int(jobs[0])).order
 
 
@@ -244,7 +245,7 @@ def sail(posed: CruisePosed, method: str) -> CruiseResult:
     return cruise(
         posed.scenes.blocked,
         posed.scenes.stations,
-        jax.random.fold_in(jax.random.key(posed.seed), _FLIPS),
+        jax.random.fold_in(seed_key(posed.seed), _FLIPS),
         method=chosen.planner,
         heuristic=chosen.heuristic,
         order=posed.order(method),

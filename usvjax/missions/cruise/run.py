@@ -27,6 +27,7 @@ from usvjax.missions.cruise.rounds import (
 )
 from usvjax.missions.cruise.sailing import MOST_LANES, Replanning, sail_in_lanes
 from usvjax.missions.cruise.straightening import pulled_straight
+from usvjax.public import public
 from usvjax.search.replan_inputs import check_method
 from usvjax.tours.algorithms import NAMES as TOURS
 from usvkernels.draws import seeds as seeds_of
@@ -34,6 +35,7 @@ from usvkernels.draws import seeds as seeds_of
 PLANNER_METHODS = ("dstar_lite", *PLANNERS)
 
 
+@public("usvkernels.cruise")
 def cruise(
     blocked: Any,
     stations: Any,

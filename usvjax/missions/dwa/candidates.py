@@ -11,6 +11,7 @@ import numpy as np
 from usvjax.checks import float_array
 from usvjax.missions.dwa.inputs import padded, refuse_remote
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa, split
+from usvjax.public import public
 from usvkernels.dwa import candidates, window
 
 
@@ -41,6 +42,7 @@ class DwaCandidates:
     command: tuple[float, float]
 
 
+@public("usvkernels.dwa")
 def dwa_candidates(
     obstacles: Any,
     state: Any,

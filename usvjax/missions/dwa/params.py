@@ -11,6 +11,7 @@ import numpy as np
 
 from usvjax.checks import one_of, whole_number
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.public import public
 from usvkernels.dwa.clearance import Scalar
 from usvkernels.dwa.params import Objective, Rules, Sampling, Settings, Vessel
 from usvkernels.dwa.window import SLACK
@@ -146,6 +147,7 @@ def split(params: DwaParams, static: DwaStatic) -> Settings:
     return Settings(of(Vessel), of(Sampling), of(Objective), of(Rules))
 
 
+@public()
 def fit_window(params: DwaParams, static: DwaStatic) -> DwaStatic:
     """The static configuration with as many candidates as the window of `params` can hold.
 

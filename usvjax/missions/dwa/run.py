@@ -14,6 +14,7 @@ from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices
 from usvjax.missions.dwa.inputs import PackedEpisodes, pack_episodes
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvjax.programs import Programs
+from usvjax.public import public
 from usvkernels import lanes
 from usvkernels.dwa import episodes
 from usvkernels.dwa.episodes import Jobs, Outcome
@@ -56,6 +57,7 @@ class NavigateResult:
     occupancy: float
 
 
+@public("usvkernels.dwa")
 def navigate_dwa(
     obstacles: Any,
     starts: Any,
