@@ -1,10 +1,9 @@
-"""Shortest tours of few stations, exactly; and distances as the kernels take them."""
+"""Shortest tours of few stations, exactly."""
 
 from functools import partial
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from usvjax.batches import Batch, split
@@ -12,6 +11,7 @@ from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.public import public
 from usvjax.tours.inputs import Legs, checked_legs, truth
+from usvjax.tours.scaling import Scaled, search
 from usvkernels.tours.held_karp import MOST_STATIONS, held_karp
 
 _LANES = 16
@@ -47,50 +47,21 @@ def orders(legs: Legs, closed: bool) -> np.ndarray:
             f"{legs.name}: got {legs.stations} stations; wanted {MOST_STATIONS} or fewer for an "
             "exact tour"
         )
-    distances = scaled(legs, closed)
+    return search(legs, closed, len(legs.distances), _in_blocks)[0]
+
+
+def _in_blocks(problems: np.ndarray, distances: Scaled) -> tuple[np.ndarray, np.ndarray]:
+    """Exact tours of some problems, int[n, d]; nothing is told by iteration, float64[n, 0]."""
 
     def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array]:
-        own = np.moveaxis(distances[rows], 0, -1)
+        own = np.moveaxis(distances.table[problems[rows]], 0, -1).astype(np.float32)
         return (_solved(jax.device_put(own, device)),)
 
-    blocks = split(np.arange(len(distances)), _LANES)
+    blocks = split(np.arange(len(problems)), _LANES)
     (found,) = Batch(blocks, _LANES, chosen_devices()).arrays(work, axis=1)
-    return found.T
+    return found.T, np.empty((len(problems), 0))
 
 
 @partial(jax.jit, compiler_options=COMPILER_OPTIONS)
 def _solved(distances: jax.Array) -> jax.Array:
     return held_karp(distances)
-
-
-def scaled(legs: Legs, closed: bool) -> np.ndarray:
-    """Distances for the kernels: at most 1, a missing leg as one that costs more than any tour.
-
-    Returns:
-        float[B or 1, d, d]. For an open tour the legs back to station 0 cost nothing.
-    """
-    finite = np.isfinite(legs.distances)
-    found = np.where(finite, legs.distances, 0) / _unit(legs)
-    found = np.where(finite, found, _missing(legs))
-    if not closed:
-        found[:, :, 0] = 0
-    return np.asarray(found, jnp.result_type(float))
-
-
-def unscaled(legs: Legs, lengths: np.ndarray) -> np.ndarray:
-    """Lengths float[B, T] of the kernels in the unit of the distances; inf with a missing leg."""
-    found = lengths.astype(np.float64)
-    longer = found > 0.75 * _missing(legs)
-    return np.where(longer, np.inf, found * _unit(legs)[:, 0])
-
-
-def _missing(legs: Legs) -> float:
-    return 2.0 * legs.stations
-
-
-def _unit(legs: Legs) -> np.ndarray:
-    """The longest distance of each problem, [B or 1, 1, 1]; 1 where all are 0."""
-    longest = np.where(np.isfinite(legs.distances), legs.distances, 0).max(
-        axis=(1, 2), keepdims=True
-    )
-    return np.where(longest > 0, longest, 1.0)

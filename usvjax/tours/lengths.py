@@ -42,7 +42,8 @@ def lengths(distances: np.ndarray, order: np.ndarray, closed: bool) -> np.ndarra
     """float64[B] of distances float64[B or 1, d, d] and orders int[B or 1, d]."""
     rows = np.arange(len(distances))[:, None] if len(distances) > 1 else 0
     end = np.roll(order, -1, axis=1)
-    found = distances[rows, order, end]
+    # In one layout, so that a sum's rounding does not depend on how many problems there are.
+    found = np.ascontiguousarray(distances[rows, order, end])
     return np.asarray((found if closed else found[:, :-1]).sum(axis=1))
 
 

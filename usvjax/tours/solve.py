@@ -5,7 +5,6 @@ from functools import partial
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from usvjax.batches import Batch, bucket, split
@@ -28,6 +27,7 @@ from usvjax.tours.algorithms import (
 )
 from usvjax.tours.inputs import Legs, checked_legs, truth
 from usvjax.tours.lengths import lengths
+from usvjax.tours.scaling import Scaled, search
 from usvkernels import draws
 from usvkernels.status import Status
 from usvkernels.tours.lengths import from_start
@@ -46,7 +46,8 @@ class TourResult:
         order: int32[B, d], the stations in the order of the visits, station 0 first.
         length: float64[B], in the unit of the points or distances; inf where no tour without a
             missing leg was found.
-        history: float64[B, iterations], least length up to the end of each iteration.
+        history: float64[B, iterations], least length up to the end of each iteration; inf where
+            that tour has a missing leg, or one so long that no short tour has it.
         status: int32[B], `Status`: FOUND; UNREACHABLE, proven that no tour is of finite length;
             OUT_OF_BUDGET, none was found.
         algorithm: that ran: "exact" or "ils" for "recommended".
@@ -136,8 +137,13 @@ def solve_tour(
     # Few sizes, so that few programs are compiled.
     seeds = np.asarray(_seeds(stream, bucket(count), first))
     task = _Task(algorithm, chosen, iterations, population)
-    symmetric = legs.symmetric & closed
-    order, history = _in_blocks(task, exact.scaled(legs, closed), symmetric, seeds, leaves, count)
+    symmetric = np.broadcast_to(legs.symmetric & closed, count)
+
+    def run(runs: np.ndarray, distances: Scaled) -> tuple[np.ndarray, np.ndarray]:
+        order, found = _in_blocks(task, distances.table, symmetric, seeds, leaves, runs)
+        return order, distances.history(found, runs)
+
+    order, history = search(legs, closed, count, run)
     return _collected(legs, closed, order, history, algorithm)
 
 
@@ -156,9 +162,8 @@ def _check_sizes(legs: Legs, runs: int, iterations: int, population: int) -> Non
     """Refuse what the machine cannot hold: all histories, and the swarms under way."""
     stations = legs.stations
     results = 8 * _RESULT_COPIES * runs * (iterations + stations)
-    size = np.dtype(jnp.result_type(float)).itemsize
     at_once = lanes(stations) * len(chosen_devices())
-    swarms = size * _SWARM_COPIES * at_once * population * stations
+    swarms = 4 * _SWARM_COPIES * at_once * population * stations
     members = f" with {population} members" if population else ""
     check_memory(
         results + swarms, f"runs: {runs} of {iterations} iterations{members} on {stations} stations"
@@ -184,23 +189,24 @@ def _in_blocks(
     symmetric: np.ndarray,
     seeds: np.ndarray,
     params: Any,
-    count: int,
+    runs: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Run blocks of lanes, shared out over the devices; int[B, d] and float[B, T].
+    """Run blocks of lanes, shared out over the devices; int[n, d] and float[n, T] of runs int[n].
 
     Distances that are the same in both directions, and others, run in blocks of their own: so a
     run does not depend on the other problems.
     """
     size = lanes(distances.shape[1])
     shared = len(distances) == 1
-    symmetric = np.broadcast_to(symmetric, count)
-    blocks = [*split(np.flatnonzero(symmetric), size), *split(np.flatnonzero(~symmetric), size)]
+    alike = symmetric[runs]
+    blocks = [*split(np.flatnonzero(alike), size), *split(np.flatnonzero(~alike), size)]
 
     def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, jax.Array]:
-        legs = distances[0] if shared else np.moveaxis(distances[rows], 0, -1)
-        leaves = jax.tree.map(lambda leaf: leaf[rows], params)
-        arrays = jax.device_put((legs, seeds[:, rows], leaves), device)
-        return _run(*arrays, replace(task, symmetric=bool(symmetric[rows[0]])))
+        own = runs[rows]
+        legs = distances[0] if shared else np.moveaxis(distances[own], 0, -1)
+        leaves = jax.tree.map(lambda leaf: leaf[own], params)
+        arrays = jax.device_put((legs.astype(np.float32), seeds[:, own], leaves), device)
+        return _run(*arrays, replace(task, symmetric=bool(symmetric[own[0]])))
 
     order, history = Batch(blocks, size, chosen_devices()).arrays(work, axis=1)
     return order.T, history.T
@@ -240,7 +246,6 @@ def _collected(
     if history is None:
         history = length[:, None]
     else:
-        history = exact.unscaled(legs, history)
         history = np.maximum(history, length[:, None])
         history[:, -1] = length
     joined = np.broadcast_to(legs.joined(closed), length.shape)
