@@ -2,13 +2,14 @@
 
 import math
 import os
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError, BadTypeError, one_line
 from usvjax.suggest import did_you_mean
 
 T = TypeVar("T")
@@ -26,10 +27,7 @@ def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndar
         BadTypeError: not real numbers.
         BadInputError: another shape, NaN or infinite.
     """
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise BadInputError(f"{name}: rows of unequal length; wanted {_shape(shape)}") from None
+    array = any_array(name, value, _shape(shape))
     if array.dtype.kind not in "iuf":
         raise BadTypeError(f"{name}: got dtype {array.dtype}; wanted real numbers")
     fits = array.ndim == len(shape) and all(
@@ -47,39 +45,73 @@ def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndar
 def shown(value: object) -> str:
     """A value for a message: on one line, and short however long it is."""
     try:
-        text = " ".join(repr(value).split())
+        return one_line(repr(value), MOST_SHOWN)
     except Exception:  # a user's class may fail; Python prints no number of 4,300 digits
-        text = f"a {type(value).__name__}"
-    printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
-    return printable if len(printable) <= MOST_SHOWN else f"{printable[: MOST_SHOWN - 3]}..."
+        return f"a {type(value).__name__}"
 
 
 MOST_SHOWN = 60
 """Letters of a value in a message."""
 
 
+def any_array(name: str, value: Any, wanted: str) -> np.ndarray:
+    """The value as an array of whatever dtype and shape.
+
+    Args:
+        name: of the argument, for the message.
+        value: anything that numpy takes.
+        wanted: words for the message.
+
+    Raises:
+        BadTypeError: not an array, or one with a mask, which numpy would drop.
+        BadInputError: rows of unequal length.
+    """
+    if isinstance(value, np.ma.MaskedArray):
+        raise BadTypeError(f"{name}: got a masked array; wanted {wanted}, without a mask")
+    try:
+        return np.asarray(value)
+    except ValueError:
+        raise BadInputError(f"{name}: rows of unequal length; wanted {wanted}") from None
+    except jax_tracing_errors():
+        raise
+    except Exception:  # what a user's class, or a key of JAX, raises
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted {wanted}") from None
+
+
+def jax_tracing_errors() -> tuple[type[Exception], ...]:
+    """What JAX raises where an array is not concrete; nothing while JAX is not loaded."""
+    jax = sys.modules.get("jax")
+    return (jax.errors.TracerArrayConversionError,) if jax else ()
+
+
 def one_of(name: str, value: object, allowed: Iterable[str]) -> None:
     """Refuse a value that is not among the allowed names.
 
     Raises:
+        BadTypeError: not a string.
         BadInputError: naming the argument, the value and the nearest name, or all of them.
     """
     allowed = list(allowed)
+    if not isinstance(value, str):
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted a string")
     if value not in allowed:
-        raise BadInputError(f"{name}: got {value!r}; {did_you_mean(str(value), allowed)}")
+        hint = did_you_mean(value[:MOST_SHOWN], allowed)
+        raise BadInputError(f"{name}: got {shown(value)}; {hint}")
 
 
 def whole_number(name: str, value: object, least: int) -> int:
-    """The value as an int of at least `least`.
+    """The value as an int from `least` to 2**63 - 1.
 
     Raises:
         BadTypeError: not a whole number.
-        BadInputError: too small.
+        BadInputError: too small, or too large.
     """
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise BadTypeError(f"{name}: got {value!r}; wanted a whole number")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted a whole number")
     if value < least:
-        raise BadInputError(f"{name}: got {value}; wanted {least} or more")
+        raise BadInputError(f"{name}: got {shown(value)}; wanted {least} or more")
+    if value >= 2**63:
+        raise BadInputError(f"{name}: got {shown(value)}; wanted less than 2**63")
     return int(value)
 
 
@@ -97,7 +129,7 @@ def number(name: str, value: Any) -> float:
     if isinstance(value, bool | np.bool_) or not isinstance(
         value, int | float | np.integer | np.floating
     ):
-        raise BadTypeError(f"{name}: got {value!r}; wanted a number")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted a number")
     try:
         result = float(value)
     except OverflowError:
@@ -106,31 +138,45 @@ def number(name: str, value: Any) -> float:
             f"{name}: got a whole number of more than 308 digits; wanted one that a float can hold"
         ) from None
     if not math.isfinite(result):
-        raise BadInputError(f"{name}: got {value}; wanted a finite number")
+        raise BadInputError(f"{name}: got {shown(value)}; wanted a finite number")
     return result
 
 
 def positive(name: str, value: Any) -> float:
-    """Return a finite number above zero; raises like ``number``."""
+    """Return a number above zero that single precision resolves; raises like ``number``."""
     result = number(name, value)
     if result <= 0:
-        raise BadInputError(f"{name}: got {value}; wanted a number above 0")
-    return result
+        raise BadInputError(f"{name}: got {shown(value)}; wanted a number above 0")
+    return _resolved(name, result)
 
 
 def not_negative(name: str, value: Any) -> float:
-    """Return a finite number of zero or more; raises like ``number``."""
+    """Return zero, or a number above it that single precision resolves; raises like ``number``."""
     result = number(name, value)
     if result < 0:
-        raise BadInputError(f"{name}: got {value}; wanted 0 or more")
-    return result
+        raise BadInputError(f"{name}: got {shown(value)}; wanted 0 or more")
+    return _resolved(name, result) if result else 0.0
+
+
+def _resolved(name: str, value: float) -> float:
+    """Refuse what becomes infinite or loses digits in single precision."""
+    if not LEAST_SINGLE <= value <= MOST_SINGLE:
+        raise BadInputError(
+            f"{name}: got {value:g}; wanted a number from {LEAST_SINGLE:.2g} to {MOST_SINGLE:.2g}, "
+            "as single precision has it"
+        )
+    return value
+
+
+LEAST_SINGLE, MOST_SINGLE = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32).max)
+"""Numbers above zero that single precision holds with all its digits."""
 
 
 def fraction(name: str, value: Any) -> float:
     """Return a number in [0, 1]; raises like ``number``."""
     result = number(name, value)
     if not 0 <= result <= 1:
-        raise BadInputError(f"{name}: got {value}; wanted a number in [0, 1]")
+        raise BadInputError(f"{name}: got {shown(value)}; wanted a number in [0, 1]")
     return result
 
 
@@ -139,7 +185,7 @@ def pair(name: str, value: Any) -> tuple[float, float]:
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if not isinstance(value, tuple | list):
-        raise BadTypeError(f"{name}: got {value!r}; wanted two numbers (x, y)")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted two numbers (x, y)")
     if len(value) != 2:
         raise BadInputError(f"{name}: got {len(value)} numbers; wanted two, (x, y)")
     return number(f"{name}[0]", value[0]), number(f"{name}[1]", value[1])
@@ -152,10 +198,7 @@ def grid(name: str, value: Any) -> np.ndarray:
         BadTypeError: the dtype is not bool.
         BadInputError: it is not two-dimensional, or empty.
     """
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise BadInputError(f"{name}: got rows of unequal length; wanted bool [H, W]") from None
+    array = any_array(name, value, "bool [H, W]")
     if array.dtype != np.bool_:
         raise BadTypeError(
             f"{name}: got dtype {array.dtype}; wanted bool [H, W] (True = not navigable)"
@@ -175,7 +218,7 @@ def file_path(name: str, value: Any) -> Path:
         BadInputError: it holds a NUL, which no file name can.
     """
     if not isinstance(value, str | os.PathLike):
-        raise BadTypeError(f"{name}: got {value!r}; wanted a string or a path")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted a string or a path")
     path = Path(value)
     if "\0" in str(path):
         raise BadInputError(f"{name}: got {str(path)!r}; wanted a path without NUL characters")

@@ -7,13 +7,29 @@ defect of usvjax and keeps its traceback.
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+MOST_LETTERS = 400
+"""Of a message, whatever a user's value puts into it."""
+
+
+def one_line(text: str, most: int = MOST_LETTERS) -> str:
+    """A text as one printable line of at most `most` letters: control characters as escapes."""
+    words = " ".join(text[: 4 * most].split())
+    line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
+    return line if len(line) <= most else f"{line[: most - 3]}..."
+
 
 class BadInputError(ValueError):
     """An argument, a file or a study has a value that cannot be used."""
 
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
+
 
 class BadTypeError(TypeError):
     """An argument has a type or dtype that cannot be used."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
 
 
 @contextmanager

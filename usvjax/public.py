@@ -33,7 +33,7 @@ _WORDS = {
 }
 
 
-def public(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
+def public(instead: str = "", *, jit: bool = False) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Make a public function of one, which then raises `BadTypeError` for arguments of other kinds.
 
     It runs under `usvjax.ambient.pinned`, so its results do not depend on JAX's settings.
@@ -41,6 +41,7 @@ def public(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
     Args:
         instead: the kernels to use where arguments are traced, such as "usvkernels.dwa"; "" where
             there are none.
+        jit: whether it runs compiled programs; those of kernels do.
     """
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
@@ -57,7 +58,7 @@ def public(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
                 _refuse_traced(function.__name__, name, value, instead)
                 if name in kinds:
                     bound.arguments[name] = _of_kind(name, value, *kinds[name])
-            with _settings(function.__name__, instead):
+            with _settings(function.__name__, instead, jit or bool(instead)):
                 return function(*bound.args, **bound.kwargs)
 
         return checked
@@ -66,7 +67,7 @@ def public(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 
 @contextmanager
-def _settings(name: str, instead: str) -> Iterator[None]:
+def _settings(name: str, instead: str, jit: bool) -> Iterator[None]:
     """Pin JAX's settings where JAX is loaded; a function that only reads a file starts without."""
     if "jax" not in sys.modules:
         yield
@@ -75,7 +76,7 @@ def _settings(name: str, instead: str) -> Iterator[None]:
 
     from usvjax.ambient import pinned
 
-    if getattr(jax.config, "jax_disable_jit"):  # noqa: B009, the stubs lack it
+    if jit and getattr(jax.config, "jax_disable_jit"):  # noqa: B009, the stubs lack it
         raise BadInputError(
             f"{name}: jax_disable_jit is on; wanted it off, since JAX runs no program compiled "
             "ahead without jit"

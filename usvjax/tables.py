@@ -10,6 +10,7 @@ import typing
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.suggest import did_you_mean
 
@@ -127,7 +128,7 @@ def _convert(value: Any, hint: Any, what: str) -> Any:
             return value
         if typing.get_origin(option) is tuple and isinstance(value, list):
             return _convert_list(value, typing.get_args(option), what)
-    raise BadTypeError(f"{what} must be {_describe(hint)}, got {value!r}")
+    raise BadTypeError(f"{what} must be {_describe(hint)}, got {shown(value)}")
 
 
 def _convert_list(values: list[Any], items: tuple[Any, ...], what: str) -> tuple[Any, ...]:

@@ -337,26 +337,23 @@ def keep(mask: Array, old: Tree, new: Tree) -> Tree:
 
 
 def record(
-    program: Program, jobs: Array, steps: int, observe: Callable[[Tree], Tree]
+    program: Program, state: Tree, steps: int, observe: Callable[[Tree], Tree]
 ) -> tuple[Tree, Tree]:
-    """Run one job per lane for a fixed number of steps and keep what `observe` sees.
+    """Advance every lane a fixed number of steps, on the job it has, and keep what is seen.
 
     Args:
         program: what a lane does.
-        jobs: int32[lanes].
+        state: of the lanes, from `program.start` or from a call before.
         steps: static.
-        observe: state -> pytree of arrays, called on the first state and after each step; a
-            finished lane repeats its last state.
+        observe: state -> pytree of arrays, called after each step; a finished lane repeats its
+            last state.
 
     Returns:
-        The results [lanes, ...] and the observations [steps + 1, ...].
+        The state after them and the observations [steps, ...].
     """
-    first = program.start(jobs)
 
     def advance(state: Tree, _: None) -> tuple[Tree, Tree]:
         state = keep(program.done(state), state, program.step(state))
         return state, observe(state)
 
-    last, seen = jax.lax.scan(advance, first, None, length=steps)
-    seen = jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), observe(first), seen)
-    return program.result(last), seen
+    return jax.lax.scan(advance, state, None, length=steps)

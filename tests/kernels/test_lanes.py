@@ -123,14 +123,16 @@ def test_the_number_of_jobs_may_be_traced() -> None:
         np.testing.assert_array_equal(run(n), want)
 
 
-def test_record_repeats_the_last_state() -> None:
+def test_record_repeats_the_last_state_and_goes_on_from_it() -> None:
     targets = np.array([0, 2, 5])
-    result, seen = lanes.record(
-        counting(targets), jnp.arange(3), 6, lambda state: {"steps": state.steps}
-    )
-    want = np.minimum(np.arange(7)[:, None], targets)
-    np.testing.assert_array_equal(seen["steps"], want)
-    np.testing.assert_array_equal(result["steps"], targets)
+    program = counting(targets)
+    state, parts = program.start(jnp.arange(3)), []
+    for _ in range(2):
+        state, seen = lanes.record(program, state, 3, lambda state: {"steps": state.steps})
+        parts.append(seen["steps"])
+    want = np.minimum(np.arange(1, 7)[:, None], targets)
+    np.testing.assert_array_equal(np.concatenate(parts), want)
+    np.testing.assert_array_equal(program.result(state)["steps"], targets)
 
 
 def test_keep_chooses_per_lane() -> None:

@@ -33,11 +33,11 @@ class Call:
         return self.function(**self.arguments)
 
 
-def calls(folder: Path) -> dict[str, Call]:
+def calls(folder: Path | None) -> dict[str, Call]:
     """By name.
 
     Args:
-        folder: where maps are written to.
+        folder: where maps are written to; None to have only the names.
     """
     maps = np.zeros((3, 8, 8), bool)
     maps[:, 3, 2:6] = True
@@ -51,7 +51,10 @@ def calls(folder: Path) -> dict[str, Call]:
     short = {name: along[name] for name in ("paths", "lengths")}
     brief = uj.DwaStatic(n_v=41, n_w=11, horizon=5, max_steps=40)
     lake = uj.GridMap(maps[0], 2.0, (10.0, 20.0), "pond")
-    uj.save_map(lake, folder / "pond.map")
+    if folder is None:
+        folder = Path()
+    else:
+        uj.save_map(lake, folder / "pond.map")
     return {
         "astar": Call(
             uj.astar,
@@ -223,7 +226,7 @@ def calls(folder: Path) -> dict[str, Call]:
                 "params": uj.DwaParams(),
                 "static": brief,
                 "valid": np.array([True, True]),
-                "record": True,
+                "record": False,
                 "sensing_range": None,
                 "max_lanes": 16,
             },

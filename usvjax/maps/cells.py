@@ -7,10 +7,11 @@ import jax
 import numpy as np
 
 from usvjax import checks
-from usvjax.checks import whole_number
+from usvjax.checks import shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.keys import as_key
 from usvjax.maps.tables import check_share
+from usvjax.memory import check_memory
 from usvjax.public import public
 from usvkernels import grids
 
@@ -56,6 +57,7 @@ def random_maps(
     first = whole_number("first", first, 0)
     if first + n > 2**32:
         raise BadInputError(f"first + n: got {first} + {n}; wanted at most 2**32")
+    check_memory(n * height * width, f"n: {n} maps of {width} x {height} cells")
     chunk = min(n, max(1, _CELLS_PER_CALL // (height * width)))
     maps = np.empty((n, height, width), bool)
     for start in range(0, n, chunk):
@@ -67,7 +69,7 @@ def random_maps(
 
 def _as_shape(shape: Any) -> tuple[int, int]:
     if not isinstance(shape, tuple | list) or len(shape) != 2:
-        raise BadTypeError(f"shape: got {shape!r}; wanted (H, W)")
+        raise BadTypeError(f"shape: got {shown(shape)}; wanted (H, W)")
     return whole_number("shape[0]", shape[0], 1), whole_number("shape[1]", shape[1], 1)
 
 

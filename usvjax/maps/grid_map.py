@@ -41,6 +41,9 @@ class GridMap:
         object.__setattr__(self, "blocked", checks.grid("blocked", self.blocked))
         object.__setattr__(self, "cell_size", checks.positive("cell_size", self.cell_size))
         object.__setattr__(self, "origin", checks.pair("origin", self.origin))
+        for name in ("name", "attribution"):
+            if not isinstance(text := getattr(self, name), str):
+                raise BadTypeError(f"{name}: got {checks.shown(text)}; wanted a string")
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GridMap):
@@ -211,7 +214,7 @@ def _pairs(name: str, value: Any) -> np.ndarray:
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise BadTypeError(f"{name}: got {value!r}; wanted numbers [..., 2]") from None
+        raise BadTypeError(f"{name}: got {checks.shown(value)}; wanted numbers [..., 2]") from None
     if array.ndim == 0 or array.shape[-1] != 2:
         raise BadInputError(f"{name}: got shape {array.shape}; wanted [..., 2] for (x, y)")
     if not np.isfinite(array).all():

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from usvjax.batches import SIZES, bucket, most_rows
-from usvjax.checks import pair, positive
+from usvjax.checks import any_array, pair, positive, shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
 from usvjax.search.inputs import search_maps
@@ -107,7 +107,7 @@ def path_frame(blocked: Any, cell_size: float | None, origin: Any) -> Frame:
     if isinstance(blocked, GridMap):
         for name, value in (("cell_size", cell_size), ("origin", origin)):
             if value is not None:
-                raise BadInputError(f"{name}: got {value!r} with a GridMap, which has its own")
+                raise BadInputError(f"{name}: got {shown(value)} with a GridMap, which has its own")
         cell_size, origin = blocked.cell_size, blocked.origin
     size, corner = scale(cell_size, origin)
     return Frame(search_maps(blocked), size, corner)
@@ -122,7 +122,7 @@ def scale(cell_size: float | None, origin: Any) -> tuple[float, np.ndarray]:
     corner = pair("origin", (0.0, 0.0) if origin is None else origin)
     if max(abs(v) for v in corner) > MOST_COORDINATE:
         raise BadInputError(
-            f"origin: got {origin}; wanted coordinates of at most {MOST_COORDINATE:,} m"
+            f"origin: got {shown(origin)}; wanted coordinates of at most {MOST_COORDINATE:,} m"
         )
     return size, np.array(corner, np.float64)
 
@@ -141,12 +141,11 @@ def path_rows(paths: Any, lengths: Any, cells_only: bool = False) -> Paths:
             end of a path, or a length outside 0 .. P.
     """
     wanted = "int [B, P, 2] (cells), P >= 2, padded to one length" if cells_only else _PATHS
-    try:
-        points = np.asarray(paths)
-    except ValueError:
-        raise BadInputError(f"paths: rows of unequal length; wanted {wanted}") from None
+    points = any_array("paths", paths, wanted)
     if points.dtype.kind not in ("iu" if cells_only else "iuf"):
         raise BadTypeError(f"paths: got dtype {points.dtype}; wanted {wanted}")
+    if points.dtype == np.float16:
+        points = points.astype(np.float64)
     if points.ndim != 3 or points.shape[2] != 2 or points.shape[1] < 2 or not len(points):
         raise BadInputError(f"paths: got shape {points.shape}; wanted {wanted}")
     counts = _counts(lengths, *points.shape[:2])
@@ -182,10 +181,7 @@ def _counts(lengths: Any, rows: int, capacity: int) -> np.ndarray:
     wanted = f"int [{rows}], the points of each path, 0 to {capacity}"
     if lengths is None:
         return np.full(rows, capacity, np.int32)
-    try:
-        counts = np.asarray(lengths)
-    except ValueError:
-        raise BadInputError(f"lengths: rows of unequal length; wanted {wanted}") from None
+    counts = any_array("lengths", lengths, wanted)
     if counts.dtype.kind not in "iu":
         raise BadTypeError(f"lengths: got dtype {counts.dtype}; wanted {wanted}")
     if counts.shape != (rows,):

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from usvjax.batches import bucket, few_sizes, filled
-from usvjax.checks import float_array, positive
+from usvjax.checks import any_array, float_array, positive
 from usvjax.devices import QUICKLY_COMPILED
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.memory import check_memory
@@ -107,11 +107,8 @@ def track_paths(
 
 def _curvature(value: Any, given: Paths) -> np.ndarray:
     """Curvature at samples, float64[B, P], 0 where there are none, whatever stands there."""
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        array = np.empty(0)  # ragged, which `float_array` says
     shape = given.points.shape[:2]
+    array = any_array("curvature", value, f"shape {shape}")
     if array.dtype.kind == "f" and array.shape == shape:
         value = np.where(np.arange(shape[1]) < given.counts[:, None], array, 0.0)
     return float_array("curvature", value, shape)
@@ -148,8 +145,8 @@ def _sailed(samples: Samples, frame: Frame, params: TrackParams) -> Tracks:
     period = float(params.speed) * float(params.dt)
     steps = _steps(float(gaps.sum(axis=1).max()), len(points), params)
     usual = gaps.sum() / max(between.sum(), 1)
-    window = bucket(ceil(WINDOW * period / usual)) if usual > 0 else 1
     width = bucket(max(points.shape[1], 64), 4)
+    window = bucket(ceil(min(WINDOW * period / usual, width))) if usual > 0 else 1
 
     def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:
         reference = tuple(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from usvjax.batches import sized
-from usvjax.checks import float_array, not_negative, positive, whole_number
+from usvjax.checks import any_array, float_array, not_negative, positive, whole_number
 from usvjax.errors import BadInputError
 from usvjax.paths.corners import Turned, TurnLimits, turn_corners
 from usvjax.paths.inputs import Frame, path_frame, path_rows
@@ -213,7 +213,7 @@ def _limits(
 
 
 def _per_path(name: str, value: Any, rows: int, frame: Frame) -> np.ndarray:
-    if np.ndim(value) == 0:
+    if any_array(name, value, f"a number or float[{rows}]").ndim == 0:
         values = np.full(rows, positive(name, value))
     else:
         values = float_array(name, value, (rows,))

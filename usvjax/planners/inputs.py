@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.checks import number, public_name, whole_number
+from usvjax.checks import number, public_name, shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.keys import as_key
 from usvjax.search.inputs import SearchScene
@@ -81,10 +81,10 @@ def planner_request(
         ("population", population, defaults.most),
     ):
         if value > most:
-            raise BadInputError(f"{name}: got {value}; wanted at most {most}")
+            raise BadInputError(f"{name}: got {shown(value)}; wanted at most {most}")
     if population % defaults.multiple:
         raise BadInputError(
-            f"population: got {population}; wanted a multiple of {defaults.multiple}"
+            f"population: got {shown(population)}; wanted a multiple of {defaults.multiple}"
         )
     return Request(
         scene=scene,

@@ -8,7 +8,7 @@ import jax
 import numpy as np
 
 from usvjax.batches import Batch, bucket, deal, sized
-from usvjax.checks import not_negative, one_of, whole_number
+from usvjax.checks import not_negative, one_of, shown, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.memory import check_memory
@@ -161,7 +161,7 @@ def rounded_turn_cost(turn_cost: Any) -> float:
     """
     wanted = not_negative("turn_cost", turn_cost)
     if wanted > MOST_TURN_COST:
-        raise BadInputError(f"turn_cost: got {turn_cost}; wanted at most {MOST_TURN_COST}")
+        raise BadInputError(f"turn_cost: got {shown(turn_cost)}; wanted at most {MOST_TURN_COST}")
     if 0 < wanted <= LEAST_TURN_COST:
         raise BadInputError(
             f"turn_cost: got {turn_cost:g}; wanted 0, or more than 1/{2 * STRAIGHT} of a cell, "

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from usvjax.batches import sized
-from usvjax.checks import one_of
+from usvjax.checks import any_array, one_of
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.memory import check_memory
@@ -91,12 +91,7 @@ def distance_field(
 
 def _goal_sets(goals: Any) -> np.ndarray:
     """Goals as int[B, G, 2]."""
-    try:
-        sets = np.asarray(goals)
-    except ValueError:
-        raise BadInputError(
-            f"goals: rows of unequal length; pad with -1; wanted {_GOALS}"
-        ) from None
+    sets = any_array("goals", goals, _GOALS)
     if sets.size == 0 or sets.ndim not in (1, 2, 3) or sets.shape[-1] != 2:
         raise BadInputError(f"goals: got shape {sets.shape}; wanted {_GOALS}")
     if sets.dtype.kind not in "iu":

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import one_of, whole_number
+from usvjax.checks import any_array, one_of, shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
 
@@ -92,10 +92,7 @@ def search_maps(blocked: Any) -> np.ndarray:
     """
     if isinstance(blocked, GridMap):
         return blocked.blocked[None]
-    try:
-        grids = np.asarray(blocked)
-    except ValueError:
-        raise BadInputError(f"blocked: rows of unequal length; wanted {_MAP}") from None
+    grids = any_array("blocked", blocked, _MAP)
     if grids.dtype != np.bool_:
         raise BadTypeError(f"blocked: got dtype {grids.dtype}; wanted {_MAP}")
     if grids.ndim not in (2, 3):
@@ -114,7 +111,7 @@ def check_options(corner_cutting: Any, connectivity: Any) -> None:
     """
     check_corner_cutting(corner_cutting)
     if whole_number("connectivity", connectivity, 1) not in (4, 8):
-        raise BadInputError(f"connectivity: got {connectivity}; wanted 4 or 8")
+        raise BadInputError(f"connectivity: got {shown(connectivity)}; wanted 4 or 8")
 
 
 def check_corner_cutting(value: Any, name: str = "corner_cutting") -> None:
@@ -124,7 +121,7 @@ def check_corner_cutting(value: Any, name: str = "corner_cutting") -> None:
         BadTypeError: naming the value.
     """
     if not isinstance(value, bool | np.bool_):
-        raise BadTypeError(f"{name}: got {value!r}; wanted True or False")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted True or False")
 
 
 def cell_rows(name: str, value: Any) -> np.ndarray:
@@ -134,10 +131,7 @@ def cell_rows(name: str, value: Any) -> np.ndarray:
         BadTypeError: not whole numbers.
         BadInputError: ragged, of another shape, or no rows.
     """
-    try:
-        cells = np.asarray(value)
-    except ValueError:
-        raise BadInputError(f"{name}: rows of unequal length; wanted {_CELLS}") from None
+    cells = any_array(name, value, _CELLS)
     if cells.size == 0 or cells.ndim not in (1, 2) or cells.shape[-1] != 2:
         raise BadInputError(f"{name}: got shape {cells.shape}; wanted {_CELLS}")
     if cells.dtype.kind not in "iu":

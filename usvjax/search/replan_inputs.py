@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import number, one_of
+from usvjax.checks import any_array, number, one_of, shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.search.inputs import SearchScene, check_corner_cutting
 from usvkernels.search.dstar_layout import INFINITE, NONE, Layout
@@ -30,11 +30,11 @@ def check_method(
     if weight is not None:
         if heuristic != "weighted_octile":
             raise BadInputError(
-                f"weight: got {weight!r} with heuristic={heuristic!r}; "
+                f"weight: got {shown(weight)} with heuristic={heuristic!r}; "
                 "wanted it only with 'weighted_octile'"
             )
         if not 1 <= number("weight", weight) <= _LARGEST_WEIGHT:
-            raise BadInputError(f"weight: got {weight}; wanted 1 to {_LARGEST_WEIGHT}")
+            raise BadInputError(f"weight: got {shown(weight)}; wanted 1 to {_LARGEST_WEIGHT}")
     check_corner_cutting(corner_cutting)
     return None if sensing is None else check_window(sensing)
 
@@ -49,12 +49,12 @@ def check_window(sensing: Any, name: str = "sensing") -> tuple[int, int]:
     if isinstance(sensing, np.ndarray):
         sensing = sensing.tolist()
     if not isinstance(sensing, tuple | list):
-        raise BadTypeError(f"{name}: got {sensing!r}; wanted {_WINDOW}")
+        raise BadTypeError(f"{name}: got {shown(sensing)}; wanted {_WINDOW}")
     whole = [isinstance(n, int | np.integer) and not isinstance(n, bool) for n in sensing]
     if not all(whole):
-        raise BadTypeError(f"{name}: got {sensing!r}; wanted {_WINDOW}")
+        raise BadTypeError(f"{name}: got {shown(sensing)}; wanted {_WINDOW}")
     if len(sensing) != 2 or any(n < 3 or n % 2 == 0 for n in sensing):
-        raise BadInputError(f"{name}: got {sensing!r}; wanted {_WINDOW}")
+        raise BadInputError(f"{name}: got {shown(sensing)}; wanted {_WINDOW}")
     return int(sensing[0]), int(sensing[1])
 
 
@@ -86,10 +86,7 @@ def flip_table(flips: Any, shape: tuple[int, int], count: int) -> np.ndarray:
         BadTypeError: not whole numbers.
         BadInputError: ragged, another shape, or a cell outside the map.
     """
-    try:
-        cells = np.asarray(flips)
-    except ValueError:
-        raise BadInputError(f"flips: rows of unequal length; wanted {_FLIPS}") from None
+    cells = any_array("flips", flips, _FLIPS)
     if cells.ndim not in (3, 4) or cells.shape[-1] != 2:
         raise BadInputError(f"flips: got shape {cells.shape}; wanted {_FLIPS}")
     if cells.dtype.kind not in "iu":

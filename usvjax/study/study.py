@@ -26,7 +26,7 @@ class StudyResult:
     summary: dict[str, Any]
 
 
-@public()
+@public(jit=True)
 def run_study(
     study: StudySpec | str | Path,
     out: str | Path = "runs",

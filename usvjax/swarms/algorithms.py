@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from usvjax.checks import default_or, one_of, whole_number
+from usvjax.checks import default_or, one_of, shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.swarms.ranges import checked_numbers
 from usvkernels.swarms import aco, cmpso, ga, gwo
@@ -71,7 +71,7 @@ def checked_static(name: str, given: Any, population: int) -> Static:
     elif isinstance(given, cmpso.CmpsoStatic):
         _check_particles(given, population)
     elif not isinstance(given.elitism, bool):
-        raise BadTypeError(f"static.elitism: got {given.elitism!r}; wanted True or False")
+        raise BadTypeError(f"static.elitism: got {shown(given.elitism)}; wanted True or False")
     return given
 
 
@@ -79,10 +79,10 @@ def _check_wolves(name: str, given: gwo.GwoStatic, population: int) -> None:
     one_of("static.law", given.law, LAWS)
     one_of("static.leaders", given.leaders, ("kept", "pack"))
     if not isinstance(given.greedy, bool):
-        raise BadTypeError(f"static.greedy: got {given.greedy!r}; wanted True or False")
+        raise BadTypeError(f"static.greedy: got {shown(given.greedy)}; wanted True or False")
     if name == "igwo" and given.law != "beta":
         raise BadInputError(
-            f"static.law: got {given.law!r}; 'igwo' is 'gwo' with the law 'beta', "
+            f"static.law: got {shown(given.law)}; 'igwo' is 'gwo' with the law 'beta', "
             "choose algorithm='gwo' for another"
         )
     if population < gwo.LEADERS:
@@ -94,7 +94,7 @@ def _check_wolves(name: str, given: gwo.GwoStatic, population: int) -> None:
 def _check_particles(given: cmpso.CmpsoStatic, population: int) -> None:
     swarms = whole_number("static.swarms", given.swarms, 1)
     if whole_number("static.exchange", given.exchange, 1) >= 2**31:
-        raise BadInputError(f"static.exchange: got {given.exchange}; wanted less than 2**31")
+        raise BadInputError(f"static.exchange: got {shown(given.exchange)}; wanted less than 2**31")
     if population % swarms or population < 2 * swarms:
         raise BadInputError(
             f"population: got {population}; wanted a multiple of static.swarms = {swarms}, "

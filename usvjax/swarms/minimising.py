@@ -113,9 +113,9 @@ def minimise(
     iterations = _default("iterations", iterations, method.iterations)
     population = _default("population", population, method.population)
     one_of("dtype", dtype, ("float32", "float64"))
-    low, high = checked_bounds(bounds, dim, dtype)
     chosen = checked_static(algorithm, static, population)
     _check_sizes(dim, runs, iterations, population, chosen)
+    low, high = checked_bounds(bounds, dim, dtype)
     stream = as_key(key)
     with precision(double=dtype == "float64"):
         leaves = checked_params(algorithm, params, runs)

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.checks import any_array, shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvkernels.swarms.pack import Objective, evaluate
 
@@ -20,9 +21,9 @@ def checked_bounds(bounds: Any, dim: int, dtype: Any) -> tuple[np.ndarray, np.nd
     """
     try:
         low, high = bounds
-    except (TypeError, ValueError):
+    except Exception:  # whatever a user's class may raise
         raise BadTypeError(
-            f"bounds: got {bounds!r}; wanted (low, high), each a number or float[{dim}]"
+            f"bounds: got {shown(bounds)}; wanted (low, high), each a number or float[{dim}]"
         ) from None
     sides = [_side(name, side, dim) for name, side in (("low", low), ("high", high))]
     with np.errstate(over="ignore"):
@@ -41,19 +42,16 @@ def checked_bounds(bounds: Any, dim: int, dtype: Any) -> tuple[np.ndarray, np.nd
 
 
 def _side(name: str, value: Any, dim: int) -> np.ndarray:
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise BadInputError(f"bounds: {name} has rows of unequal length") from None
+    array = any_array(f"bounds: {name}", value, f"a number or float[{dim}]")
     if array.dtype.kind not in "iuf":
-        raise BadTypeError(f"bounds: {name} is {value!r}; wanted a number or float[{dim}]")
+        raise BadTypeError(f"bounds: {name} is {shown(value)}; wanted a number or float[{dim}]")
     if array.shape not in ((), (dim,)):
         raise BadInputError(
             f"bounds: {name} has shape {array.shape}; wanted a number or shape ({dim},), "
             "bounds being (low, high)"
         )
     if not np.isfinite(array).all():
-        raise BadInputError(f"bounds: {name} is {value}; wanted finite numbers")
+        raise BadInputError(f"bounds: {name} is {shown(value)}; wanted finite numbers")
     return np.broadcast_to(array, (dim,)).astype(np.float64)
 
 
@@ -65,7 +63,7 @@ def checked_objective(fn: Any, dim: int, dtype: Any) -> Objective:
         BadInputError: it returns anything but one real number.
     """
     if not callable(fn):
-        raise BadTypeError(f"fn: got {fn!r}; wanted a function of float[{dim}]")
+        raise BadTypeError(f"fn: got {shown(fn)}; wanted a function of float[{dim}]")
     if not isinstance(fn, Hashable):
         fn = _Hashable(fn)
     made = _traced(fn, jax.ShapeDtypeStruct((dim,), dtype))

@@ -6,7 +6,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from usvjax.checks import default_or
+from usvjax.checks import any_array, default_or, shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvkernels.swarms import aco, cmpso, ga
 from usvkernels.swarms.laws import GwoParams
@@ -70,14 +70,9 @@ def checked_numbers(algorithm: str, given: Any, default: Any, runs: int) -> Any:
 
 
 def _leaf(name: str, value: Any, allowed: tuple[float, float], runs: int) -> np.ndarray:
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise BadInputError(
-            f"params.{name}: rows of unequal length; wanted a number or float[{runs}]"
-        ) from None
+    array = any_array(f"params.{name}", value, f"a number or float[{runs}]")
     if array.dtype.kind not in "iuf":
-        raise BadTypeError(f"params.{name}: got {value!r}; wanted a number or float[{runs}]")
+        raise BadTypeError(f"params.{name}: got {shown(value)}; wanted a number or float[{runs}]")
     if array.shape not in ((), (runs,)):
         raise BadInputError(
             f"params.{name}: got shape {array.shape}; wanted a number or one for each of "
@@ -91,6 +86,6 @@ def _leaf(name: str, value: Any, allowed: tuple[float, float], runs: int) -> np.
         if bad.any():
             raise BadInputError(f"params.{name}: got {array[bad].flat[0]}; wanted {wanted}")
     if name in _WHOLE and array.dtype.kind == "f":
-        raise BadTypeError(f"params.{name}: got {value!r}; wanted whole numbers")
+        raise BadTypeError(f"params.{name}: got {shown(value)}; wanted whole numbers")
     kind = np.int32 if name in _WHOLE else jnp.result_type(float)
     return np.broadcast_to(array.astype(kind), (runs,))

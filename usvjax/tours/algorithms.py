@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from usvjax.checks import default_or, whole_number
+from usvjax.checks import default_or, shown, whole_number
 from usvjax.errors import BadInputError
 from usvjax.swarms import algorithms as swarms
 from usvjax.swarms.ranges import checked_numbers
@@ -88,7 +88,7 @@ def checked_population(name: str, given: Any) -> int | None:
     method = ALGORITHMS[name]
     if method.population is None:
         if given is not None:
-            raise BadInputError(f"population: got {given!r}; algorithm {name!r} has none")
+            raise BadInputError(f"population: got {shown(given)}; algorithm {name!r} has none")
         return None
     if given is None:
         return method.population
@@ -106,7 +106,7 @@ def checked_static(name: str, given: Any, population: int | None) -> Static | No
     default = ALGORITHMS[name].static
     if default is None or population is None:
         if given is not None:
-            raise BadInputError(f"static: got {given!r}; algorithm {name!r} has no choices")
+            raise BadInputError(f"static: got {shown(given)}; algorithm {name!r} has no choices")
         return None
     given = default_or("static", given, default, name)
     if isinstance(given, CmpsoStatic):
@@ -115,7 +115,7 @@ def checked_static(name: str, given: Any, population: int | None) -> Static | No
     swarms.checked_static("gwo", given, population)
     if name in ("igwo", "igwo_swap") and given.law != "beta":
         raise BadInputError(
-            f"static.law: got {given.law!r}; {name!r} is {name[1:]!r} with the law 'beta', "
+            f"static.law: got {shown(given.law)}; {name!r} is {name[1:]!r} with the law 'beta', "
             f"choose algorithm={name[1:]!r} for another"
         )
     return given
@@ -143,5 +143,5 @@ def refuse_options(**given: Any) -> None:
     for name, value in given.items():
         if value is not None:
             raise BadInputError(
-                f"{name}: got {value!r}; exact tours, taken for few stations, take none"
+                f"{name}: got {shown(value)}; exact tours, taken for few stations, take none"
             )

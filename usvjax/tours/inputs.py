@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
+from usvjax.checks import any_array, shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.memory import check_memory
 
@@ -87,10 +88,7 @@ def checked_legs(points: Any, distances: Any) -> Legs:
 
 
 def _numbers(name: str, value: Any, wanted: str) -> np.ndarray:
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise BadInputError(f"{name}: rows of unequal length; wanted {wanted}") from None
+    array = any_array(name, value, wanted)
     if array.dtype.kind not in "iuf":
         raise BadTypeError(f"{name}: got dtype {array.dtype}; wanted {wanted}")
     if array.ndim not in (2, 3) or len(array) == 0:
@@ -152,5 +150,5 @@ def _first(bad: np.ndarray) -> list[int]:
 def truth(name: str, value: Any) -> bool:
     """True or False; raises BadTypeError for anything else."""
     if not isinstance(value, bool | np.bool_):
-        raise BadTypeError(f"{name}: got {value!r}; wanted True or False")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted True or False")
     return bool(value)

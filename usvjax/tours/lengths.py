@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.checks import any_array
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.public import public
 from usvjax.tours.inputs import Legs, checked_legs, truth
@@ -49,10 +50,7 @@ def lengths(distances: np.ndarray, order: np.ndarray, closed: bool) -> np.ndarra
 
 def _checked_orders(order: Any, legs: Legs) -> np.ndarray:
     wanted = f"int [B, {legs.stations}] or [{legs.stations}]"
-    try:
-        orders = np.asarray(order)
-    except ValueError:
-        raise BadInputError(f"order: rows of unequal length; wanted {wanted}") from None
+    orders = any_array("order", order, wanted)
     if orders.dtype.kind not in "iu":
         raise BadTypeError(f"order: got dtype {orders.dtype}; wanted {wanted}")
     if orders.ndim not in (1, 2) or orders.shape[-1] != legs.stations or len(orders) == 0:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import positive, whole_number
+from usvjax.checks import any_array, positive, shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.grid_map import GridMap
 from usvjax.memory import check_memory
@@ -180,10 +180,7 @@ def check_order(order: Any, expedition: Expedition) -> np.ndarray:
         BadTypeError: not whole numbers.
         BadInputError: another shape, or no permutation that begins with 0.
     """
-    try:
-        rows = np.asarray(order)
-    except ValueError:
-        raise BadInputError(f"order: rows of unequal length; wanted {_ORDER}") from None
+    rows = any_array("order", order, _ORDER)
     if rows.dtype.kind not in "iu":
         raise BadTypeError(f"order: got dtype {rows.dtype}; wanted {_ORDER}")
     count, legs = len(expedition), expedition.legs
@@ -200,10 +197,7 @@ def check_order(order: Any, expedition: Expedition) -> np.ndarray:
 
 
 def _stations(stations: Any) -> np.ndarray:
-    try:
-        places = np.asarray(stations)
-    except ValueError:
-        raise BadInputError(f"stations: rows of unequal length; wanted {_STATIONS}") from None
+    places = any_array("stations", stations, _STATIONS)
     if places.ndim not in (2, 3) or places.shape[-1] != 2 or len(places) == 0:
         raise BadInputError(f"stations: got shape {places.shape}; wanted {_STATIONS}")
     if places.dtype.kind not in "iu":
@@ -271,6 +265,7 @@ def _refuse(places: np.ndarray, bad: Any, why: str) -> None:
 def _cell_size(blocked: Any, cell_size: Any) -> float:
     if isinstance(blocked, GridMap):
         if cell_size is not None:
-            raise BadInputError(f"cell_size: got {cell_size!r} with a GridMap, which has its own")
+            got = shown(cell_size)
+            raise BadInputError(f"cell_size: got {got} with a GridMap, which has its own")
         return blocked.cell_size
     return CELL_SIZE if cell_size is None else positive("cell_size", cell_size)

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.checks import fraction, one_of, positive, whole_number
+from usvjax.checks import any_array, fraction, one_of, positive, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.search.inputs import check_corner_cutting
 from usvjax.search.replan_inputs import check_window
@@ -128,7 +128,7 @@ def _bound(name: str, value: Any) -> int | None:
 def _of_each(name: str, value: Any, count: int, check: Callable[[str, Any], float]) -> np.ndarray:
     """A number for each cruise, float64[B], from one or B of them."""
     if isinstance(value, jax.Array | np.ndarray):
-        value = np.asarray(value)
+        value = any_array(name, value, "real numbers")
         if value.ndim > 1:
             raise BadInputError(f"{name}: got shape {value.shape}; wanted one, or {count} numbers")
         value = value[()]  # a number where there is no axis

@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.checks import one_of, whole_number
+from usvjax.checks import one_of, shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError, saying_where
 from usvjax.keys import as_key, first_run
 from usvjax.missions.cruise.inputs import (
@@ -135,11 +135,12 @@ def _planner(
 ) -> LegPlanner:
     if options is not None and not isinstance(options, Mapping):
         raise BadTypeError(
-            f"planner_options: got {options!r}; wanted a mapping of keyword arguments"
+            f"planner_options: got {shown(options)}; wanted a mapping of keyword arguments"
         )
     swarm = method in SWARMS
     if options and not swarm:
-        raise BadInputError(f"planner_options: got {options!r} with method={method!r}; wanted none")
+        got = shown(options)
+        raise BadInputError(f"planner_options: got {got} with method={method!r}; wanted none")
     for name in options or ():
         one_of("planner_options", name, PLANNER_OPTIONS)
     if swarm and expedition.corner_cutting:

@@ -8,7 +8,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from usvjax.checks import float_array
+from usvjax.checks import MOST_SINGLE, float_array
+from usvjax.errors import BadInputError
+from usvjax.memory import check_memory
 from usvjax.missions.dwa.inputs import padded, refuse_remote
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa, split
 from usvjax.public import public
@@ -68,13 +70,17 @@ def dwa_candidates(
     check_dwa(params, static)
     points = float_array("obstacles", obstacles, (None, 2))
     now = float_array("state", state, (5,))
+    _demand_single("state", now)
+    _check_size(static)
     target = float_array("goal", goal, (2,))
     for name, point in (("state", now[:2]), ("goal", target)):
         refuse_remote(name, point[None])
     motion = window.Motion(jnp.asarray(now[:, None], jnp.float32))
     centres = jnp.asarray(padded(points[None])[0])[:, :, None]
+    ahead = jnp.asarray(target[:, None], jnp.float32)
+    numbers = jax.tree.map(np.float32, params)  # the same program for whole numbers
     found, paths, (row, column, any_admissible), command = _open_up(
-        params, static, motion, centres, jnp.asarray(target[:, None], jnp.float32)
+        numbers, static, motion, centres, ahead
     )
     return DwaCandidates(
         v=np.asarray(found.v[:, 0]),
@@ -87,6 +93,26 @@ def dwa_candidates(
         chosen=(int(row[0]), int(column[0])) if bool(any_admissible[0]) else None,
         command=(float(command[0][0]), float(command[1][0])),
     )
+
+
+def _demand_single(name: str, array: np.ndarray) -> None:
+    large = np.abs(array) > MOST_SINGLE
+    if large.any():
+        raise BadInputError(
+            f"{name}: got {array[large][0]:g}; wanted numbers that single precision holds"
+        )
+
+
+def _check_size(static: DwaStatic) -> None:
+    """Refuse predicted paths that memory does not hold, on the device and on the host."""
+    commands = static.n_v * static.n_w
+    check_memory(
+        4 * commands * (2 * 2 * (static.horizon + 1) + _FIGURES),
+        f"static: {static.n_v} x {static.n_w} candidates of {static.horizon} steps",
+    )
+
+
+_FIGURES = 16  # of a candidate, beside its path
 
 
 @partial(jax.jit, static_argnames="static")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import float_array, positive
+from usvjax.checks import any_array, float_array, positive
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, obstacle_table
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa
@@ -117,7 +117,7 @@ def pack_episodes(
     start, goal = _rows("starts", starts, 3), _rows("goals", goals, 2)
     maps = 1 if on_map or _depth("obstacles", obstacles) < 3 else len(obstacles)
     count = max(len(start), len(goal), maps)
-    count = count if count > 1 else _sets(params)
+    count = count if count > 1 else params.sets
     check_dwa(params, static, count)
     # Wrapped in double precision: single loses the angle of a heading of many turns.
     start = np.column_stack([start[:, :2], (start[:, 2] + np.pi) % (2 * np.pi) - np.pi])
@@ -130,17 +130,7 @@ def pack_episodes(
 
 
 def _depth(name: str, value: Any) -> int:
-    try:
-        return np.ndim(value)
-    except ValueError:
-        raise BadInputError(f"{name}: rows of unequal length; wanted a full array") from None
-
-
-def _sets(params: DwaParams) -> int:
-    """How many sets of parameters there are, by the longest leaf."""
-    values = vars(params).values() if isinstance(params, DwaParams) else ()
-    arrays: list[Any] = [value for value in values if np.iterable(value)]
-    return max([1, *(len(array) for array in arrays)])
+    return any_array(name, value, "a full array").ndim
 
 
 def _rows(name: str, value: Any, width: int) -> np.ndarray:

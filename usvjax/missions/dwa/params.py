@@ -9,7 +9,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.checks import one_of, whole_number
+from usvjax.checks import LEAST_SINGLE, MOST_SINGLE, any_array, one_of, shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.public import public
 from usvkernels.dwa.clearance import Scalar
@@ -85,6 +85,12 @@ class DwaParams:
         """Largest speed, ahead or astern (m/s), of parameters on the host."""
         return np.maximum(np.abs(self.v_min), np.abs(self.v_max))
 
+    @property
+    def sets(self) -> int:
+        """How many sets of numbers there are, by the longest leaf; 1 where all are one number."""
+        arrays: list[Any] = [leaf for leaf in vars(self).values() if np.iterable(leaf)]
+        return max([1, *(len(leaf) for leaf in arrays if hasattr(leaf, "__len__"))])
+
 
 @dataclass(frozen=True)
 class DwaStatic:
@@ -136,6 +142,11 @@ class DwaStatic:
     when_blocked: str = "brake"
     max_steps: int = 1500
 
+    def __post_init__(self) -> None:
+        for name in _MOST:
+            if isinstance(value := getattr(self, name), np.integer):
+                object.__setattr__(self, name, int(value))  # those of NumPy overflow in products
+
 
 def split(params: DwaParams, static: DwaStatic) -> Settings:
     """Parameters and choices apart by what they are about, as the kernels take them."""
@@ -154,7 +165,11 @@ def fit_window(params: DwaParams, static: DwaStatic) -> DwaStatic:
     Args:
         params: leaves scalar or one value per episode.
         static: whose n_v and n_w are replaced.
+
+    Raises:
+        BadTypeError, BadInputError: parameters that `navigate_dwa` refuses.
     """
+    check_numbers(params, params.sets)
     n_v, n_w = window_size(params)
     return replace(static, n_v=n_v, n_w=n_w)
 
@@ -182,7 +197,6 @@ _NOT_NEGATIVE = ("v_acc", "v_dec", "w_acc", "w_dec", "radius", "stuck_distance",
 _MAY_BE_INFINITE = ("clearance_cap",)
 _MOST = {"n_v": 1000, "n_w": 1000, "horizon": 10_000, "max_steps": 10_000_000}
 _PLAIN = (bool, int, float, str)
-_LARGEST = float(np.finfo(np.float32).max)
 _ROUNDING = 1e-6  # of a product such as 3 * 0.1 s
 
 
@@ -216,10 +230,16 @@ def _check_plain(*leaves: Any) -> None:
 
 
 def _check(params: DwaParams, static: DwaStatic, episodes: int | None) -> None:
+    check_numbers(params, episodes)
+    _check_static(params, static)
+
+
+def check_numbers(params: DwaParams, episodes: int | None) -> None:
+    """What `check_dwa` asks of `params` alone."""
     values = {f.name: _leaf(f.name, getattr(params, f.name), episodes) for f in fields(params)}
     for name in _POSITIVE:
-        single = values[name].astype(np.float32)
-        _demand(name, values[name], single > 0, "more than 0 in single precision")
+        fine = values[name] >= LEAST_SINGLE
+        _demand(name, values[name], fine, "more than 0 in single precision")
     for name in _NOT_NEGATIVE:
         _demand(name, values[name], values[name] >= 0, "0 or more")
     angle = values["search_angle"]
@@ -228,7 +248,6 @@ def _check(params: DwaParams, static: DwaStatic, episodes: int | None) -> None:
         low, high = values[f"{rate}_min"], values[f"{rate}_max"]
         _demand(f"{rate}_min", low, low <= high, f"at most {rate}_max = {np.max(high):g}")
     _demand_short_steps(values)
-    _check_static(params, static)
 
 
 def _demand_short_steps(values: dict[str, Any]) -> None:
@@ -243,19 +262,16 @@ def _demand_short_steps(values: dict[str, Any]) -> None:
 
 
 def _leaf(name: str, value: Any, episodes: int | None) -> np.ndarray:
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise BadInputError(f"params.{name}: rows of unequal length; wanted numbers") from None
+    array = any_array(f"params.{name}", value, "numbers")
     if array.dtype.kind not in "iuf":
-        raise BadTypeError(f"params.{name}: got {value!r}; wanted a number")
+        raise BadTypeError(f"params.{name}: got {shown(value)}; wanted a number")
     if array.ndim and array.shape != (episodes,):
         wanted = "one number" if episodes is None else f"one number, or shape ({episodes},)"
         raise BadInputError(f"params.{name}: got shape {array.shape}; wanted {wanted}")
     array = array.astype(np.float64)
     usable = ~np.isnan(array) if name in _MAY_BE_INFINITE else np.isfinite(array)
     _demand(name, array, usable, "a finite number")
-    held = ~np.isfinite(array) | (np.abs(array) <= _LARGEST)
+    held = ~np.isfinite(array) | (np.abs(array) <= MOST_SINGLE)
     _demand(name, array, held, "a number that single precision holds")
     return array
 
@@ -275,7 +291,7 @@ def _check_static(params: DwaParams, static: DwaStatic) -> None:
                 f"static.{name}: got {getattr(static, name)}; wanted at most {most:,}"
             )
     if not isinstance(static.braking, bool):
-        raise BadTypeError(f"static.braking: got {static.braking!r}; wanted a bool")
+        raise BadTypeError(f"static.braking: got {shown(static.braking)}; wanted a bool")
     _check_plant(static.plant, np.ndim(params.dt) > 0)
     for name, needed in zip(("n_v", "n_w"), window_size(params), strict=True):
         if getattr(static, name) < needed:
@@ -292,7 +308,8 @@ def _check_plant(plant: Any, swept_dt: bool) -> None:
     try:
         hash(plant)
     except TypeError:
-        raise BadTypeError(f"static.plant: got {plant!r}; wanted a function that hashes") from None
+        got = shown(plant)
+        raise BadTypeError(f"static.plant: got {got}; wanted a function that hashes") from None
     _try_plant(plant, swept_dt)
 
 

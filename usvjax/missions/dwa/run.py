@@ -8,9 +8,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from usvjax.batches import Batch, bucket, deal_longest_first
+from usvjax.batches import Batch, bucket, deal_longest_first, filled
 from usvjax.checks import whole_number
 from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices
+from usvjax.memory import check_memory
 from usvjax.missions.dwa.inputs import PackedEpisodes, pack_episodes
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvjax.programs import Programs
@@ -24,6 +25,8 @@ MOST_LANES = 256  # state of a step stays within the second-level cache
 MOST_ROWS = 8192  # episodes per call of a device; memory does not grow past it
 JOBS_PER_LANE = 4  # at least, or lanes idle for want of a next job
 CHUNK = 8  # steps between two refills
+RECORDED = 128  # steps between two looks whether all recorded episodes have ended
+_LANE_BYTES = 64  # of a candidate, in a decision
 OPTIONS = COMPILER_OPTIONS | ONE_THREAD
 
 _programs = Programs()
@@ -87,7 +90,7 @@ def navigate_dwa(
         params: defaults to Tan's Table 1. A leaf may be float[B], one value per episode.
         static: choices of method; its n_v and n_w must hold the window of `params`.
         valid: bool[B, K] (or bool[K]), False masks an obstacle.
-        record: also return the trajectories; memory grows with B times `static.max_steps`.
+        record: also return the trajectories; memory grows with B times the longest episode's steps.
         sensing_range: (m) with a `GridMap`, how far off shore is seen; by default as far as the
             prediction reaches, plus braking and the radius; wanted where these differ between
             episodes.
@@ -122,6 +125,11 @@ def _sail(
     capacity = bucket(max(LEAST_LANES, len(blocks[0])))
     width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
 
+    check_memory(
+        _LANE_BYTES * static.n_v * static.n_w * width * len(devices),
+        f"static: {static.n_v} x {static.n_w} candidates of {width} episodes at once",
+    )
+
     swept = tuple(name for name, value in vars(params).items() if np.ndim(value))
     charted = packed.chart is not None
     program = (record, static, swept, charted, packed.sensed_shape, capacity, width)
@@ -129,12 +137,13 @@ def _sail(
     def begin(rows: np.ndarray, count: int, device: jax.Device) -> Any:
         jobs, own = packed.rows(rows), _params_of(params, rows)
         if record:
-            return _programs.run(program, device, _record, jobs, own, static=static)
+            return _record(program, device, jobs, own, static)
         arrays = (jobs, own, np.int32(count))
         return _programs.run(program, device, _run, *arrays, static=static, width=width)
 
     batch = Batch(blocks, capacity, devices)
-    results = batch.run(begin, at_once=_programs.ready(program, devices[: len(blocks)]))
+    ready = not record and _programs.ready(program, devices[: len(blocks)])
+    results = batch.run(begin, at_once=ready)
     return _collect(results, batch, packed, params, static)
 
 
@@ -158,22 +167,45 @@ def _run(
     )
 
 
-@partial(jax.jit, static_argnames="static", compiler_options=OPTIONS)
 def _record(
-    jobs: Jobs, params: DwaParams, *, static: DwaStatic
-) -> tuple[Outcome, lanes.Usage, jax.Array]:
-    rows = jobs.start.shape[0]
-    outcome, seen = lanes.record(
-        episodes.program(jobs, split(params, static)),
-        jnp.arange(rows, dtype=jnp.int32),
-        static.max_steps,
-        episodes.observe,
-    )
-    usage = lanes.Usage(
-        busy=jnp.sum(outcome.steps, dtype=jnp.float32),
-        total=jnp.float32(rows * static.max_steps),
-    )
-    return outcome, usage, jnp.moveaxis(seen, 2, 0)
+    program: Any, device: jax.Device, jobs: Jobs, params: DwaParams, static: DwaStatic
+) -> tuple[Outcome, lanes.Usage, np.ndarray]:
+    """Sail a block some steps at a time until all of it has ended; trajectory [n, T, 5]."""
+    arrays = jobs, params
+    state, seen = _programs.run((program, "first"), device, _first, *arrays, static=static)
+    parts, ended, rows = [np.asarray(seen)[None]], False, len(jobs.start)
+    while not ended:
+        most = len(parts) * RECORDED
+        check_memory(
+            2 * seen.nbytes * most, f"record: {rows} episodes under way after {most:,} steps"
+        )
+        state, outcome, seen_since, over = _programs.run(
+            program, device, _recorded, *arrays, state, static=static
+        )
+        parts.append(np.asarray(seen_since))
+        ended = bool(over)
+    seen = np.concatenate(parts)
+    busy: Any = outcome.steps.sum(dtype=np.float32)
+    total: Any = np.float32(rows * (len(seen) - 1))
+    return outcome, lanes.Usage(busy=busy, total=total), np.moveaxis(seen, 2, 0)
+
+
+@partial(jax.jit, static_argnames="static", compiler_options=OPTIONS)
+def _first(jobs: Jobs, params: DwaParams, *, static: DwaStatic) -> tuple[Any, jax.Array]:
+    """The first state of one lane per episode, and what is seen of it."""
+    rows = jnp.arange(jobs.start.shape[0], dtype=jnp.int32)
+    state = episodes.program(jobs, split(params, static)).start(rows)
+    return state, episodes.observe(state)
+
+
+@partial(jax.jit, static_argnames="static", compiler_options=OPTIONS)
+def _recorded(
+    jobs: Jobs, params: DwaParams, state: Any, *, static: DwaStatic
+) -> tuple[Any, Outcome, jax.Array, jax.Array]:
+    """RECORDED steps more, what is seen after each, and whether all episodes have ended."""
+    program = episodes.program(jobs, split(params, static))
+    state, seen = lanes.record(program, state, RECORDED, episodes.observe)
+    return state, program.result(state), seen, jnp.all(program.done(state))
 
 
 def _collect(
@@ -192,7 +224,7 @@ def _collect(
     trajectory = None
     if len(results[0]) > 2:
         most = int(steps.max()) + 1
-        trajectory = batch.join([found[2][:, :most] for found in results])
+        trajectory = batch.join([filled(found[2], most, axis=1)[:, :most] for found in results])
         if packed.origin.any():
             trajectory = trajectory.astype(np.float64)
             trajectory[..., :2] += packed.origin

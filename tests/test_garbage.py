@@ -1,0 +1,170 @@
+"""No public function answers garbage with a raw exception, a hang or the machine's memory."""
+
+import os
+import resource
+import time
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from garbage import wrong
+from public_calls import calls
+
+import usvjax as uj
+from usvjax.errors import BadInputError, BadTypeError
+from usvkernels.status import Status
+
+SECONDS, KIBIBYTES = 5.0, 2**20
+LONGEST_MESSAGE = 400
+FUNCTIONS = sorted(calls(None))
+
+FUZZ = "USVJAX_FUZZ" in os.environ
+
+OTHER_PROGRAMS = {
+    ("blocked", "an axis less"),
+    ("blocked", "a row less"),
+    ("blocked", "a row more"),
+    ("stations", "a row less"),
+    ("sensing", "None"),
+    ("sensing", "far away"),
+    ("corner_cutting", "True"),
+    ("static", "corner_cutting: True"),
+    ("turn_cost", "zero"),
+    ("weight", "zero"),
+    ("weight", "array of no dimensions"),
+    *((name, "None") for name in ("iterations", "population")),
+    *((name, "numpy whole number") for name in ("iterations", "population", "max_lanes")),
+}
+"""Valid after all, and 5 to 15 s to compile: left to `make fuzz`."""
+
+
+@pytest.fixture
+def call(request, tmp_path):
+    return calls(tmp_path)[request.param]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def quickly_compiled():
+    """What is computed is not looked at."""
+    jax.config.update("jax_disable_most_optimizations", True)
+    yield
+    jax.config.update("jax_disable_most_optimizations", False)
+    jax.clear_caches()
+
+
+def attempt(call, **changes):
+    """Words for what is wrong with how the call took the changes; "" for nothing."""
+    before, began = peak(), time.monotonic()
+    problem = outcome(call, changes)
+    if not problem and time.monotonic() - began > SECONDS:
+        began = time.monotonic()  # once more, compiled
+        outcome(call, changes)
+        took = time.monotonic() - began
+        problem = f"took {took:.1f} s" * (took > SECONDS)
+    if not problem and peak() - before > KIBIBYTES:
+        problem = f"took {(peak() - before) / 2**20:.1f} GiB"
+    return problem
+
+
+def outcome(call, changes):
+    try:
+        found = replace(call, options={**call.arguments, **changes}, needed={})()
+    except (BadInputError, BadTypeError) as error:
+        return bad_message(str(error))
+    except Exception as error:
+        return f"{type(error).__name__}: {str(error)[:120]}"
+    running = np.any(np.asarray(getattr(found, "status", 1)) == int(Status.RUNNING))
+    return "a status RUNNING" if running else ""
+
+
+def bad_message(text):
+    if not text.isprintable():
+        return f"a message that cannot be printed: {text[:120]!r}"
+    return f"a message of {len(text)} letters: {text[:120]!r}" * (len(text) > LONGEST_MESSAGE)
+
+
+def peak():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def said(problems):
+    return "\n".join([f"{len(problems)} problems", *problems])
+
+
+def test_all_public_functions_are_called():
+    functions = {name for name in uj.__all__ if callable(getattr(uj, name)) and name.islower()}
+    # Asked elsewhere: of studies, of plug-ins, before JAX starts.
+    others = {"load_run", "run_study", "register_mission", "use_all_cores"}
+    assert {call.function.__name__ for call in calls(None).values()} == functions - others
+
+
+@pytest.mark.parametrize("call", FUNCTIONS, indirect=True)
+def test_garbage_is_refused_in_one_line(call):
+    problems = []
+    for name, valid in call.arguments.items():
+        for kind, value in wrong(valid):
+            if not FUZZ and (name, kind) in OTHER_PROGRAMS:
+                continue
+            if problem := attempt(call, **{name: value}):
+                problems.append(f"{name} = {kind}: {problem}")
+    assert not problems, said(problems)
+
+
+@pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: minutes")
+@pytest.mark.parametrize("call", FUNCTIONS, indirect=True)
+def test_garbage_in_several_arguments(call):
+    problems, rng = [], np.random.default_rng(0)
+    kinds = {name: list(wrong(valid)) for name, valid in call.arguments.items()}
+    for _ in range(500):
+        names = rng.choice(list(kinds), min(len(kinds), int(rng.integers(2, 4))), replace=False)
+        chosen = {name: kinds[name][rng.integers(len(kinds[name]))] for name in names}
+        if problem := attempt(call, **{name: value for name, (_, value) in chosen.items()}):
+            said_of = {name: kind for name, (kind, _) in chosen.items()}
+            problems.append(f"{said_of}: {problem}")
+    assert not problems, said(problems)
+
+
+ARRAYS = [
+    (function, name)
+    for function, call in calls(None).items()
+    for name, value in call.arguments.items()
+    if np.ndim(value) > 0 and np.asarray(value).dtype.kind in "biuf" and name != "shape"
+]
+
+
+@pytest.mark.parametrize(("function", "name"), ARRAYS)
+@pytest.mark.parametrize("transform", [jax.jit, jax.vmap, jax.grad])
+def test_traced_arguments_are_refused(function, name, transform, tmp_path):
+    call = calls(tmp_path)[function]
+    array = jnp.asarray(np.asarray(call.arguments[name])[None], float)
+
+    def traced(value):
+        one = value[0] if transform is not jax.vmap else value
+        return replace(call, options={**call.arguments, name: one}, needed={})()
+
+    with pytest.raises(BadTypeError, match=f"^{name}: is traced by JAX .* wants concrete arrays"):
+        transform(traced)(array)
+
+
+def test_traced_numbers_within_an_argument_are_refused(tmp_path):
+    call = calls(tmp_path)["navigate_dwa"]
+
+    def params(value):
+        replace(call, options={**call.arguments, "params": uj.DwaParams(radius=value)})()
+
+    def rows(value):
+        replace(call, options={**call.arguments, "starts": [[0.0, 0.0, value]]})()
+
+    for traced in (params, rows):
+        with pytest.raises(BadTypeError, match=r"traced by JAX .* use usvkernels\.dwa"):
+            jax.jit(traced)(0.5)
+
+
+def test_disabled_jit_is_refused_in_one_line(tmp_path):
+    with (
+        jax.disable_jit(),
+        pytest.raises(BadInputError, match="jax_disable_jit is on; wanted it off"),
+    ):
+        calls(tmp_path)["astar"]()
