@@ -18,8 +18,9 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 
 FLOORS = (
     ("devices", "errors", "suggest", "exports", "version"),
-    ("checks", "statistics", "batches", "programs", "tables"),
-    ("keys", "memory", "sections"),
+    ("checks", "statistics", "batches", "programs"),
+    ("keys", "memory", "tables"),
+    ("sections",),
     ("maps",),
     ("mission", "swarms"),
     ("registry", "search", "tours", "plots"),

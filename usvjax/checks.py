@@ -2,6 +2,8 @@
 
 import math
 import os
+import re
+import reprlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,6 +14,22 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.suggest import did_you_mean
 
 T = TypeVar("T")
+
+MOST_SHOWN = 60
+"""Characters of a value that a message shows."""
+
+_brief = reprlib.Repr()
+_brief.maxstring = _brief.maxlong = _brief.maxother = MOST_SHOWN
+_brief.maxlevel = 3
+
+
+def shown(value: object) -> str:
+    """A value as a message shows it: what `repr` says, cut short, in one line."""
+    try:
+        text = re.sub(r"\s*\n\s*", " ", _brief.repr(value))
+    except ValueError:
+        return "a whole number of thousands of digits"  # which Python refuses to print
+    return text if len(text) <= MOST_SHOWN else f"{text[: MOST_SHOWN - 3]}..."
 
 
 def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
@@ -52,7 +70,7 @@ def one_of(name: str, value: object, allowed: Iterable[str]) -> None:
     """
     allowed = list(allowed)
     if value not in allowed:
-        raise BadInputError(f"{name}: got {value!r}; {did_you_mean(str(value), allowed)}")
+        raise BadInputError(f"{name}: got {shown(value)}; {did_you_mean(str(value), allowed)}")
 
 
 def whole_number(name: str, value: object, least: int) -> int:
@@ -63,9 +81,9 @@ def whole_number(name: str, value: object, least: int) -> int:
         BadInputError: too small.
     """
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise BadTypeError(f"{name}: got {value!r}; wanted a whole number")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted a whole number")
     if value < least:
-        raise BadInputError(f"{name}: got {value}; wanted {least} or more")
+        raise BadInputError(f"{name}: got {shown(value)}; wanted {least} or more")
     return int(value)
 
 
@@ -83,7 +101,7 @@ def number(name: str, value: Any) -> float:
     if isinstance(value, bool | np.bool_) or not isinstance(
         value, int | float | np.integer | np.floating
     ):
-        raise BadTypeError(f"{name}: got {value!r}; wanted a number")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted a number")
     try:
         result = float(value)
     except OverflowError:
@@ -92,7 +110,7 @@ def number(name: str, value: Any) -> float:
             f"{name}: got a whole number of more than 308 digits; wanted one that a float can hold"
         ) from None
     if not math.isfinite(result):
-        raise BadInputError(f"{name}: got {value}; wanted a finite number")
+        raise BadInputError(f"{name}: got {shown(value)}; wanted a finite number")
     return result
 
 
@@ -100,7 +118,7 @@ def positive(name: str, value: Any) -> float:
     """Return a finite number above zero; raises like ``number``."""
     result = number(name, value)
     if result <= 0:
-        raise BadInputError(f"{name}: got {value}; wanted a number above 0")
+        raise BadInputError(f"{name}: got {shown(value)}; wanted a number above 0")
     return result
 
 
@@ -108,7 +126,7 @@ def not_negative(name: str, value: Any) -> float:
     """Return a finite number of zero or more; raises like ``number``."""
     result = number(name, value)
     if result < 0:
-        raise BadInputError(f"{name}: got {value}; wanted 0 or more")
+        raise BadInputError(f"{name}: got {shown(value)}; wanted 0 or more")
     return result
 
 
@@ -116,7 +134,7 @@ def fraction(name: str, value: Any) -> float:
     """Return a number in [0, 1]; raises like ``number``."""
     result = number(name, value)
     if not 0 <= result <= 1:
-        raise BadInputError(f"{name}: got {value}; wanted a number in [0, 1]")
+        raise BadInputError(f"{name}: got {shown(value)}; wanted a number in [0, 1]")
     return result
 
 
@@ -125,7 +143,7 @@ def pair(name: str, value: Any) -> tuple[float, float]:
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if not isinstance(value, tuple | list):
-        raise BadTypeError(f"{name}: got {value!r}; wanted two numbers (x, y)")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted two numbers (x, y)")
     if len(value) != 2:
         raise BadInputError(f"{name}: got {len(value)} numbers; wanted two, (x, y)")
     return number(f"{name}[0]", value[0]), number(f"{name}[1]", value[1])
@@ -161,10 +179,10 @@ def file_path(name: str, value: Any) -> Path:
         BadInputError: it holds a NUL, which no file name can.
     """
     if not isinstance(value, str | os.PathLike):
-        raise BadTypeError(f"{name}: got {value!r}; wanted a string or a path")
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted a string or a path")
     path = Path(value)
     if "\0" in str(path):
-        raise BadInputError(f"{name}: got {str(path)!r}; wanted a path without NUL characters")
+        raise BadInputError(f"{name}: got {shown(str(path))}; wanted a path without NUL characters")
     return path
 
 

@@ -225,7 +225,7 @@ def test_impossible_episode_counts_are_refused(episodes):
 
 @pytest.mark.parametrize("name", ["", "a/b", "..", "a b", "-x"])
 def test_names_that_are_no_folder_are_refused(name):
-    with pytest.raises(BadInputError, match="'name' must be letters"):
+    with pytest.raises(BadInputError, match="'name' must be at most 100 letters"):
         parse_spec(toy_study(name=name))
 
 
@@ -238,15 +238,15 @@ def test_required_keys_are_asked_for(key):
 
 
 def test_unreadable_files_are_one_line(tmp_path):
-    with pytest.raises(BadInputError, match=r"none\.toml: No such file"):
+    with pytest.raises(BadInputError, match=r"none\.toml: no such file"):
         load_spec(tmp_path / "none.toml")
-    with pytest.raises(BadInputError, match="Is a directory"):
+    with pytest.raises(BadInputError, match="is a directory"):
         load_spec(tmp_path)
     (tmp_path / "broken.toml").write_text("name = ")
     with pytest.raises(BadInputError, match="not valid TOML"):
         load_spec(tmp_path / "broken.toml")
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(BadInputError, match="not valid TOML"):
+    with pytest.raises(BadInputError, match=r"binary\.toml: is UTF-16"):
         load_spec(tmp_path / "binary.toml")
 
 

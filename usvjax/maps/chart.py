@@ -8,12 +8,9 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from usvjax.errors import BadInputError, saying_where
-from usvjax.maps.grid_map import GridMap
+from usvjax.maps.grid_map import GridMap, check_size
 from usvjax.maps.hongze import find_map
 from usvjax.maps.tables import Opened
-
-MOST_CELLS = 10**8
-"""Of a refined map: a byte each, and eight while it is refined."""
 
 
 class ChartOptions(Protocol):
@@ -67,11 +64,8 @@ def read_chart(
     beside = folder / name
     with saying_where(where):
         grid = find_map(str(beside) if beside.is_file() else name, cell_size=cell_size)
-        cells = grid.blocked.size * refine**2
-        if cells > MOST_CELLS:
-            raise BadInputError(
-                f"'refine' of {refine} makes {cells:,} cells; wanted at most {MOST_CELLS:,}"
-            )
+        height, width = (refine * side for side in grid.shape)
+        check_size(height, width, f"{name!r} with 'refine' of {refine}")
         grid = grid.refined(refine)
     return grid, map_digest(grid)
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from scipy import ndimage
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError
 from usvjax.maps.draws import Stream, in_rounds, round_bits, round_uniforms
 from usvjax.maps.grid_map import GridMap
@@ -187,7 +188,7 @@ def end_groups(blocked: np.ndarray, ends: str) -> np.ndarray:
 def check_ends(ends: str, known: tuple[str, ...], min_distance: float, where: str) -> None:
     """Raise BadInputError unless `ends` is known and a least distance (m) 0 or more."""
     if ends not in known:
-        raise BadInputError(f"{where}: unknown ends {ends!r}; {did_you_mean(ends, known)}")
+        raise BadInputError(f"{where}: unknown ends {shown(ends)}; {did_you_mean(ends, known)}")
     check_length("min_distance", min_distance, where)
 
 
