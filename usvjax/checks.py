@@ -18,6 +18,9 @@ T = TypeVar("T")
 MOST_SHOWN = 60
 """Characters of a value that a message shows."""
 
+MOST_FILE_NAME = 255
+"""Characters of a file's name; so many bytes are what file systems hold."""
+
 _brief = reprlib.Repr()
 _brief.maxstring = _brief.maxlong = _brief.maxother = MOST_SHOWN
 _brief.maxlevel = 3
@@ -176,13 +179,17 @@ def file_path(name: str, value: Any) -> Path:
 
     Raises:
         BadTypeError: it is neither a string nor a path.
-        BadInputError: it holds a NUL, which no file name can.
+        BadInputError: it holds a NUL, or a name that is too long, which no file can have.
     """
     if not isinstance(value, str | os.PathLike):
         raise BadTypeError(f"{name}: got {shown(value)}; wanted a string or a path")
     path = Path(value)
     if "\0" in str(path):
         raise BadInputError(f"{name}: got {shown(str(path))}; wanted a path without NUL characters")
+    if any(len(part) > MOST_FILE_NAME for part in path.parts):
+        raise BadInputError(
+            f"{name}: got {shown(str(path))}; wanted names of at most {MOST_FILE_NAME} characters"
+        )
     return path
 
 

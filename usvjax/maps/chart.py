@@ -1,12 +1,14 @@
 """One map that all jobs of a study share: found, refined, inflated, and what its water is."""
 
 import hashlib
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol, TypeVar
 
 import numpy as np
 
+from usvjax.checks import file_path
 from usvjax.errors import BadInputError, saying_where
 from usvjax.maps.grid_map import GridMap, check_size
 from usvjax.maps.hongze import find_map
@@ -61,9 +63,10 @@ def read_chart(
     """
     if refine < 1:
         raise BadInputError(f"{where}: 'refine' must be at least 1, got {refine}")
-    beside = folder / name
     with saying_where(where):
-        grid = find_map(str(beside) if beside.is_file() else name, cell_size=cell_size)
+        beside = folder / file_path("map", name)
+        is_beside = os.path.exists(beside) and not os.path.isdir(beside)
+        grid = find_map(str(beside) if is_beside else name, cell_size=cell_size)
         height, width = (refine * side for side in grid.shape)
         check_size(height, width, f"{name!r} with 'refine' of {refine}")
         grid = grid.refined(refine)

@@ -1,12 +1,13 @@
 """Reading and writing whole files: one clear error, never half a file, never an endless one."""
 
 import codecs
+import errno
 import os
 import stat
 from collections.abc import Mapping
 from pathlib import Path
 
-from usvjax.checks import byte_size
+from usvjax.checks import byte_size, shown
 from usvjax.errors import BadInputError
 
 MOST_BYTES = 2**29
@@ -46,7 +47,8 @@ def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
     except FileNotFoundError:
         raise BadInputError(f"{path}: no such file") from None
     except OSError as error:
-        raise BadInputError(f"{path}: cannot be read ({error.strerror})") from error
+        name = shown(str(path)) if error.errno == errno.ENAMETOOLONG else path
+        raise BadInputError(f"{name}: cannot be read ({error.strerror})") from error
     except UnicodeEncodeError:
         raise BadInputError(f"{path}: no such file (its name cannot be encoded)") from None
     raise BadInputError(f"{path}: cannot be read (larger than {byte_size(most)}, or endless)")

@@ -13,7 +13,7 @@ from pathlib import Path, PureWindowsPath
 import jax
 import numpy as np
 
-from usvjax.checks import shown
+from usvjax.checks import file_path, shown
 from usvjax.errors import BadInputError, saying_where
 from usvjax.maps.disk import MOST_QUERIES, read_text
 from usvjax.maps.files import load_map
@@ -72,8 +72,8 @@ def read_scen(name: str, map_name: str | None, cell_size: float, folder: Path, w
     """
     if not 0.0 < cell_size < math.inf:
         raise BadInputError(f"{where}: 'cell_size' must be above 0, got {cell_size:g}")
-    path = folder / name
     with saying_where(where):
+        path = folder / file_path("scen", name)
         rows = _rows(path)
         named = path.parent / _map_name(rows[0][1])
         chart = load_map(folder / map_name if map_name else named, cell_size=cell_size)

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from usvjax.checks import shown
+from usvjax.checks import file_path, shown
 from usvjax.errors import BadInputError, BadTypeError, saying_where, unprintable
 from usvjax.maps.disk import read_plain
 from usvjax.mission import Mission
@@ -105,8 +105,8 @@ def read_plugin(name: str, folder: Path, where: str) -> Plugin:
     Raises:
         BadInputError: it cannot be read.
     """
-    path = (folder / name).resolve()
-    with saying_where(f"{where}: cannot read the plugin {name!r}"):
+    with saying_where(f"{where}: cannot read the plugin {shown(name)}"):
+        path = (folder / file_path("plugin", name)).resolve()
         source = read_plain(path)
     try:
         parts = {"": os.fsencode(path), **beside(path)}

@@ -226,8 +226,8 @@ def parse_spec(
         most = case.most_jobs
         if most is not None and top.episodes > most:
             raise BadInputError(
-                f"{where}: 'episodes' must be at most {most}, as many as the study's files "
-                f"hold, got {top.episodes}"
+                f"{where}: 'episodes' must be at most {most}, as many different ones as 'maps' "
+                f"gives, got {top.episodes}"
             )
         for method in methods:
             if method in case.refusals:

@@ -92,7 +92,7 @@ class DwaMission:
             "params": asdict(params),
             "static": {k: v for k, v in asdict(static).items() if k != "method"},
         }
-        return Case(in_force, inputs, DwaCase(source, params, static))
+        return Case(in_force, inputs, DwaCase(source, params, static), source.most_jobs)
 
     def pose(self, case: Case, seed: int, jobs: np.ndarray) -> DwaPosed:
         """Draw maps, starts and goals; see `Mission.pose`."""
