@@ -34,8 +34,9 @@ def test_a_mutated_file_is_read_or_refused_in_a_sentence(
 ) -> None:
     found = reports[loader]
     assert found["wrong"] == []
-    assert found["refused"] > COUNT // 4  # the files are not as they were
-    assert found["slowest"] < 5.0  # s
+    # The files are not as they were.
+    assert found["refused"] > mutated_files.count_of(loader, COUNT) // 3
+    assert found["slowest"] < 5.0  # s of the processors
     assert found["peak"] < 2**30  # bytes, of the process so far
 
 

@@ -1,6 +1,8 @@
 """Study files: what they mean, and every way to get one wrong."""
 
 import math
+import re
+import time
 import tomllib
 from pathlib import Path
 
@@ -345,3 +347,50 @@ def test_values_that_no_episode_could_use(text, words):
 def test_conditions_must_all_be_tables():
     with pytest.raises(BadTypeError, match=r"'conditions' must be \[\[conditions\]\] tables"):
         parse_spec(dwa('conditions = [{label = "a"}, 3]'))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"qqqqqqqq": 1},
+        {"methods": ["qqqqqqqq"]},
+        {"baseline": "qqqqqqqq"},
+        {"kind": "qqqqqqqq"},
+        {"params": {"qqqqqqqq": 1}},
+        {"axes": {"qqqqqqqq": [1]}},
+        {"axes": {"params.qqqqqqqq": [1]}},
+        {"conditions": [{"qqqqqqqq": 1}]},
+    ],
+)
+def test_lists_of_names_have_each_name_once(change):
+    with pytest.raises(BadInputError) as caught:
+        parse_spec(toy_study(**change))
+    names = re.split(r"[,;:] ", str(caught.value))
+    assert len(names) == len(set(names)), str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"q" * 10**5: 1},
+        {"methods": ["q" * 10**5]},
+        {"name": "q" * 10**5},
+        {"kind": "q" * 10**5},
+        {"baseline": "q" * 10**5},
+        {"seed": "q" * 10**5},
+        {"params": {"q" * 10**5: 1}},
+        {"params": {"radius": "q" * 10**5}},
+        {"params": ["q" * 10**5]},
+        {"axes": {"q" * 10**5: [1]}},
+        {"axes": {"params.radius": "q" * 10**5}},
+        {"conditions": ["q" * 10**5]},
+        {"plugin": "q" * 10**5},
+    ],
+)
+def test_messages_show_no_more_than_a_piece_of_what_was_read(change):
+    began = time.process_time()
+    with pytest.raises((BadInputError, BadTypeError)) as caught:
+        parse_spec(toy_study(**change))
+    assert len(str(caught.value)) < 300
+    assert "qqqqqqqq" in str(caught.value)
+    assert time.process_time() - began < 1.0
