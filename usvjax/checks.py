@@ -225,6 +225,8 @@ def public_name(kind: type) -> str:
 
 def byte_size(count: int) -> str:
     """Bytes in a unit that reads well, for a message."""
+    if count >= 2**80:
+        return "more than 2**80 bytes"  # which may be no float
     for unit, size in (("GiB", 2**30), ("MiB", 2**20), ("KiB", 2**10)):
         if count >= size:
             return f"{count / size:.1f} {unit}"

@@ -16,6 +16,7 @@ from usvjax.memory import check_memory
 MOST_CELLS = 10**8
 """Of a map that is read, refined or drawn: what searches and figures of it bear."""
 
+_REMOTE = 2.0**62  # the number of a cell where one of 64 bits would overflow
 _AT_ONCE = 2**20  # cells in a band of rows
 
 
@@ -127,7 +128,9 @@ class GridMap:
             BadInputError: a point is not finite, or the last dimension is not 2.
         """
         place = _pairs("points", points)
-        return np.floor((place - self.origin) / self.cell_size).astype(np.int64)
+        with np.errstate(over="ignore"):
+            cells = np.floor((place - self.origin) / self.cell_size)
+        return np.clip(cells, -_REMOTE, _REMOTE).astype(np.int64)
 
     def points_of(self, cells: Any) -> np.ndarray:
         """Centres of cells.
@@ -249,6 +252,10 @@ def _pairs(name: str, value: Any) -> np.ndarray:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
         raise BadTypeError(f"{name}: got {shown(value)}; wanted numbers [..., 2]") from None
+    except OverflowError:
+        raise BadInputError(
+            f"{name}: got {shown(value)}; wanted numbers that a float holds"
+        ) from None
     if array.ndim == 0 or array.shape[-1] != 2:
         raise BadInputError(f"{name}: got shape {array.shape}; wanted [..., 2] for (x, y)")
     if not np.isfinite(array).all():

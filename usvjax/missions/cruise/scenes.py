@@ -57,7 +57,7 @@ class CellTable(OnOwnMaps):
 
     def check(self, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
-        check_cells(self.density, self.cell_size, where)
+        check_cells(self.shape, self.density, self.cell_size, where)
         if min(self.shape) < 3:
             raise BadInputError(
                 f"{where}: 'shape' must be [rows, columns], 3 or more each, "

@@ -75,7 +75,7 @@ class CellTable(OnOwnMaps):
 
     def check(self, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
-        check_cells(self.density, self.cell_size, where)
+        check_cells(self.shape, self.density, self.cell_size, where)
         if min(self.shape) < 1 or max(self.shape) < 2:
             raise BadInputError(
                 f"{where}: 'shape' must be [rows, columns] with two cells at least, "
