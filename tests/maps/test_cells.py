@@ -5,7 +5,7 @@ import pytest
 
 from usvjax.errors import BadInputError
 from usvjax.maps import random_maps
-from usvjax.maps.cells import check_cells, maps_of_jobs, random_maps
+from usvjax.maps.cells import check_cells, maps_of_jobs
 
 
 @pytest.mark.parametrize("jobs", [[4, 5, 6], [9], [7, 2, 31]])
@@ -36,5 +36,5 @@ def test_maps_of_more_cells_than_there_is_room_for_are_refused():
     with pytest.raises(BadInputError, match=r"s\.toml: a map of 'shape' has 20,000 x 20,000 cells"):
         check_cells((20_000, 20_000), 0.1, 1.0, "s.toml")
     for shape in ((10**7, 10**7), (10**400, 10)):
-        with pytest.raises(BadInputError, match="n: 2 maps of 1000.* cells needs .* of memory"):
+        with pytest.raises(BadInputError, match=r"n: 2 maps of 1000.* cells needs .* of memory"):
             random_maps(0, 2, shape)

@@ -210,7 +210,7 @@ def test_points_however_far_are_outside_the_map(recwarn) -> None:
     for point in ((1e300, 0.0), (-1e19, 1e19), (1e308, -1e308)):
         assert grid.is_blocked(point)
         assert (np.abs(grid.cells_of(point)) > 2**40).any()
-    with pytest.raises(BadInputError, match="points: got .* wanted numbers that a float holds"):
+    with pytest.raises(BadInputError, match=r"points: got .* wanted numbers that a float holds"):
         grid.cells_of([10**400, 1])
     assert len(recwarn) == 0
 

@@ -179,9 +179,11 @@ class ChartTable:
         shore_distance: least distance from a start and goal drawn to the nearest blocked cell's
             centre, m; above `params.radius`.
         distance: least and greatest straight-line distance from a start to a goal drawn, m; the
-            first above `params.goal_tolerance` and below the second; 1000 and 5000 when left out.
-        start: x and y where the episode starts, in the map's metres, on water and outside every
-            circle of `params.radius` about the shore; with `goal`, and 1 episode.
+            first above `params.goal_tolerance` and below the second; [1000.0, 5000.0] when left
+            out.
+        start: x and y where the episode starts, in the map's metres, such as [62000.0, 38000.0]
+            on Hongze Lake; on water, outside every circle of `params.radius` about the shore;
+            with `goal`, for 1 episode.
         start_heading: heading at the start given, rad; towards the goal when left out.
         goal: x and y of the goal, in the map's metres, on the same body of water; farther from
             the start than `params.goal_tolerance`.

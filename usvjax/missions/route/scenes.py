@@ -112,8 +112,8 @@ class ChartTable:
             of water; when left out), "connected" (any two cells of one body of water) or "free"
             (any two free cells).
         min_distance: least straight-line distance from start to goal drawn, m; 0 or more.
-        start: x and y where the route starts, in the map's metres, on water that `inflate`
-            leaves; with `goal`, and 1 episode.
+        start: x and y where the route starts, in the map's metres, such as [62000.0, 38000.0] on
+            Hongze Lake; on water that `inflate` leaves; with `goal`, for 1 episode.
         goal: x and y where it ends, likewise, in another cell.
     """
 
