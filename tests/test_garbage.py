@@ -17,7 +17,7 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvkernels.status import Status
 
 SECONDS, KIBIBYTES = 5.0, 2**20
-LONGEST_MESSAGE = 400
+LONGEST_MESSAGE = 450
 FUNCTIONS = sorted(calls(None))
 
 FUZZ = "USVJAX_FUZZ" in os.environ

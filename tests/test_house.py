@@ -18,9 +18,10 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 
 FLOORS = (
     ("errors", "suggest", "exports", "version", "ambient"),
-    ("devices", "checks", "statistics", "tables"),
+    ("devices", "checks", "statistics"),
     ("batches", "programs", "public"),
-    ("keys", "memory", "sections"),
+    ("keys", "memory", "tables"),
+    ("sections",),
     ("maps",),
     ("mission", "swarms"),
     ("registry", "search", "tours", "plots"),

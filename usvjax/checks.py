@@ -2,6 +2,8 @@
 
 import math
 import os
+import re
+import reprlib
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -9,10 +11,33 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from usvjax.errors import BadInputError, BadTypeError, one_line
+from usvjax.errors import BadInputError, BadTypeError
 from usvjax.suggest import did_you_mean
 
 T = TypeVar("T")
+
+MOST_SHOWN = 60
+"""Characters of a value that a message shows."""
+
+MOST_FILE_NAME = 255
+"""Characters of a file's name; so many bytes are what file systems hold."""
+
+_brief = reprlib.Repr()
+_brief.maxstring = _brief.maxlong = _brief.maxother = MOST_SHOWN
+_brief.maxlevel = 3
+
+
+def shown(value: object) -> str:
+    """A value as a message shows it: what `repr` says, cut short, in one line."""
+    try:
+        text = re.sub(r"\s*\n\s*", " ", _brief.repr(value))
+    except Exception:  # Python prints no such number, and a user's class may fail
+        return (
+            "a whole number of thousands of digits"
+            if isinstance(value, int)
+            else f"a {type(value).__name__}"
+        )
+    return text if len(text) <= MOST_SHOWN else f"{text[: MOST_SHOWN - 3]}..."
 
 
 def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
@@ -40,18 +65,6 @@ def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndar
         first = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise BadInputError(f"{name}: {array[first]} at index {list(first)}; wanted finite numbers")
     return array
-
-
-def shown(value: object) -> str:
-    """A value for a message: on one line, and short however long it is."""
-    try:
-        return one_line(repr(value), MOST_SHOWN)
-    except Exception:  # a user's class may fail; Python prints no number of 4,300 digits
-        return f"a {type(value).__name__}"
-
-
-MOST_SHOWN = 60
-"""Letters of a value in a message."""
 
 
 def any_array(name: str, value: Any, wanted: str) -> np.ndarray:
@@ -95,8 +108,7 @@ def one_of(name: str, value: object, allowed: Iterable[str]) -> None:
     if not isinstance(value, str):
         raise BadTypeError(f"{name}: got {shown(value)}; wanted a string")
     if value not in allowed:
-        hint = did_you_mean(value[:MOST_SHOWN], allowed)
-        raise BadInputError(f"{name}: got {shown(value)}; {hint}")
+        raise BadInputError(f"{name}: got {shown(value)}; {did_you_mean(value, allowed)}")
 
 
 def whole_number(name: str, value: object, least: int) -> int:
@@ -215,13 +227,17 @@ def file_path(name: str, value: Any) -> Path:
 
     Raises:
         BadTypeError: it is neither a string nor a path.
-        BadInputError: it holds a NUL, which no file name can.
+        BadInputError: it holds a NUL, or a name that is too long, which no file can have.
     """
     if not isinstance(value, str | os.PathLike):
         raise BadTypeError(f"{name}: got {shown(value)}; wanted a string or a path")
     path = Path(value)
     if "\0" in str(path):
-        raise BadInputError(f"{name}: got {str(path)!r}; wanted a path without NUL characters")
+        raise BadInputError(f"{name}: got {shown(str(path))}; wanted a path without NUL characters")
+    if any(len(part) > MOST_FILE_NAME for part in path.parts):
+        raise BadInputError(
+            f"{name}: got {shown(str(path))}; wanted names of at most {MOST_FILE_NAME} characters"
+        )
     return path
 
 
@@ -257,6 +273,8 @@ def public_name(kind: type) -> str:
 
 def byte_size(count: int) -> str:
     """Bytes in a unit that reads well, for a message."""
+    if count >= 2**80:
+        return "more than 2**80 bytes"  # which may be no float
     for unit, size in (("GiB", 2**30), ("MiB", 2**20), ("KiB", 2**10)):
         if count >= size:
             return f"{count / size:.1f} {unit}"

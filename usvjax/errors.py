@@ -4,32 +4,44 @@ The command line prints exactly that sentence and exits with 2. Any other except
 defect of usvjax and keeps its traceback.
 """
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-MOST_LETTERS = 400
+# Control characters, line and paragraph ends, overrides of the direction of writing, and lone
+# surrogates: they steer a terminal, break a table, or cannot be written at all.
+_UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def printable(text: str) -> str:
+    """A text with its control characters and lone surrogates escaped."""
+    return _UNPRINTABLE.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def unprintable(text: str) -> str | None:
+    """The first control character or lone surrogate of a text, escaped; None where it has none."""
+    found = _UNPRINTABLE.search(text)
+    return None if found is None else printable(found[0])
+
+
+MOST_LETTERS = 450
 """Of a message, whatever a user's value puts into it."""
 
 
-def one_line(text: str, most: int = MOST_LETTERS) -> str:
-    """A text as one printable line of at most `most` letters: control characters as escapes."""
-    words = " ".join(text[: 4 * most].split())
-    line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
-    return line if len(line) <= most else f"{line[: most - 3]}..."
+class _SentenceError(Exception):
+    """An error whose message can be printed, whatever names it quotes."""
+
+    def __init__(self, message: str = "") -> None:
+        text = printable(message)
+        super().__init__(text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 3]}...")
 
 
-class BadInputError(ValueError):
+class BadInputError(_SentenceError, ValueError):
     """An argument, a file or a study has a value that cannot be used."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(one_line(message))
 
-
-class BadTypeError(TypeError):
+class BadTypeError(_SentenceError, TypeError):
     """An argument has a type or dtype that cannot be used."""
-
-    def __init__(self, message: str) -> None:
-        super().__init__(one_line(message))
 
 
 @contextmanager

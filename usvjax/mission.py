@@ -67,7 +67,7 @@ class Case:
         settings: every setting in force by table, defaults filled in; JSON-able.
         inputs: SHA-256 of each file that the condition reads, by the name in the study.
         given: what the mission's own `pose` needs; opaque to the engines.
-        most_jobs: how many episodes there can be, where a file limits them.
+        most_jobs: how many different episodes there are, where that is limited.
         refusals: by method, why it cannot be run under these settings.
     """
 

@@ -3,6 +3,7 @@
 import importlib
 from typing import TYPE_CHECKING, cast
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError
 from usvjax.suggest import did_you_mean
 
@@ -52,7 +53,7 @@ def find_mission(kind: str, where: str = "the study") -> "Mission":
         BadInputError: no such kind; names the nearest.
     """
     if kind not in _MISSIONS:
-        raise BadInputError(f"{where}: unknown kind {kind!r}; {did_you_mean(kind, _MISSIONS)}")
+        raise BadInputError(f"{where}: unknown kind {shown(kind)}; {did_you_mean(kind, _MISSIONS)}")
     found = _MISSIONS[kind]
     if isinstance(found, str):
         module, _, name = found.partition(":")

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError
 from usvjax.suggest import did_you_mean
 from usvjax.tables import field_names
@@ -42,7 +43,7 @@ class Table:
         """All keys that it may hold under some setting."""
         all_classes = [cls for kind in self.kinds for cls in self.classes(kind)]
         names = (name for name in field_names(*all_classes) if name not in self.without)
-        return (*filter(None, (self.choice,)), *self.extra, *names)
+        return tuple(dict.fromkeys((*filter(None, (self.choice,)), *self.extra, *names)))
 
     def classes(self, kind: str) -> tuple[type, ...]:
         """The dataclasses of its keys where this is chosen."""
@@ -67,7 +68,7 @@ def check_top_keys(
     for key in tables:
         if key not in known:
             hint = _meant(key, sections, known)
-            raise BadInputError(f"{where}: unknown key {key!r}; {hint}")
+            raise BadInputError(f"{where}: unknown key {shown(key)}; {hint}")
 
 
 def check_dotted(
@@ -85,7 +86,7 @@ def check_dotted(
         section, _, rest = key.partition(".")
         if section not in sections or not rest or "." in rest:
             hint = _meant(key, sections, others)
-            raise BadInputError(f"{where}: {key!r} must be section.key; {hint}")
+            raise BadInputError(f"{where}: {shown(key)} must be section.key; {hint}")
 
 
 def check_homes(
@@ -103,7 +104,7 @@ def check_homes(
             homes = _homes(key, sections)
             if homes and key not in sections[section]:
                 hint = _at_one_of(homes)
-                raise BadInputError(f"{where}: [{section}]: unknown key {key!r}; {hint}")
+                raise BadInputError(f"{where}: [{section}]: unknown key {shown(key)}; {hint}")
 
 
 def _homes(name: str, sections: Sections) -> list[str]:

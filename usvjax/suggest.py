@@ -3,6 +3,9 @@
 import difflib
 from collections.abc import Iterable
 
+_LONGEST = 100
+"""Characters of what was given that are compared; no name is as long."""
+
 
 def did_you_mean(given: str, valid: Iterable[str]) -> str:
     """Say which valid name is nearest to `given`, or list them when none is near.
@@ -14,9 +17,9 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
     Returns:
         Such as "did you mean 'radius'?".
     """
-    names = sorted(valid)
+    names = sorted(set(valid))
     folded = {name.lower(): name for name in names}
-    near = difflib.get_close_matches(given.lower(), folded, n=1, cutoff=0.5)
+    near = difflib.get_close_matches(given[:_LONGEST].lower(), folded, n=1, cutoff=0.5)
     if near:
         return f"did you mean {folded[near[0]]!r}?"
     return f"valid: {', '.join(names)}" if names else "no name is valid here"

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 from usvjax.checks import shown
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError, BadTypeError, unprintable
 from usvjax.suggest import did_you_mean
 
 T = TypeVar("T")
@@ -28,7 +28,7 @@ def field_names(*classes: type) -> tuple[str, ...]:
 
 
 def check_plain(tables: Mapping[str, Any], where: str) -> None:
-    """Refuse numbers and nesting that no setting has, before anything is made of them.
+    """Refuse numbers, characters and nesting that no setting has, before anything is made of them.
 
     Raises:
         BadInputError: naming the key.
@@ -39,7 +39,12 @@ def check_plain(tables: Mapping[str, Any], where: str) -> None:
         for key, value in level:
             if isinstance(value, int) and not -(2**63) <= value < 2**63:
                 raise BadInputError(
-                    f"{where}: {key!r} is too large: a whole number must fit in 64 bits"
+                    f"{where}: {shown(key)} is too large: a whole number must fit in 64 bits"
+                )
+            if isinstance(value, str) and (found := unprintable(value)):
+                raise BadInputError(
+                    f"{where}: {shown(key)} holds the control character {found}; wanted text that "
+                    f"can be printed in one line"
                 )
             if isinstance(value, Mapping):
                 deeper += [(str(name), item) for name, item in value.items()]
@@ -48,8 +53,8 @@ def check_plain(tables: Mapping[str, Any], where: str) -> None:
         level = deeper
     if level:
         raise BadInputError(
-            f"{where}: {level[0][0]!r} is nested too deeply; wanted at most {MAX_NESTED} tables "
-            f"or lists within one another"
+            f"{where}: {shown(level[0][0])} is nested too deeply; wanted at most {MAX_NESTED} "
+            f"tables or lists within one another"
         )
 
 
@@ -67,7 +72,7 @@ def check_keys(table: Mapping[str, Any], valid: Iterable[str], where: str) -> No
     names = list(valid)
     for key in table:
         if key not in names:
-            raise BadInputError(f"{where}: unknown key {key!r}; {did_you_mean(key, names)}")
+            raise BadInputError(f"{where}: unknown key {shown(key)}; {did_you_mean(key, names)}")
 
 
 def read_table(cls: type[T], table: Mapping[str, Any], where: str) -> T:
@@ -135,7 +140,7 @@ def _convert_list(values: list[Any], items: tuple[Any, ...], what: str) -> tuple
     if len(items) == 2 and items[1] is Ellipsis:
         items = (items[0],) * len(values)
     if len(values) != len(items):
-        raise BadTypeError(f"{what} must be a list of {len(items)} values, got {values!r}")
+        raise BadTypeError(f"{what} must be a list of {len(items)} values, got {shown(values)}")
     return tuple(
         _convert(v, hint, f"{what}[{i}]")
         for i, (v, hint) in enumerate(zip(values, items, strict=True))

@@ -120,7 +120,7 @@ def test_a_bad_study_is_one_line_and_exit_2(tmp_path, capsys, text, words):
 
 def test_a_missing_study_is_one_line_and_exit_2(tmp_path, capsys):
     assert main(["study", str(tmp_path / "none.toml")]) == 2
-    assert "none.toml: No such file" in one_line(capsys)
+    assert "none.toml: no such file" in one_line(capsys)
 
 
 def test_another_spec_in_the_directory_is_exit_2(study, tmp_path, capsys):
@@ -145,13 +145,13 @@ def test_too_many_devices_is_exit_2(study, tmp_path, capsys):
     assert "--devices must lie between 1 and" in one_line(capsys)
 
 
-def test_messages_of_several_lines_become_one(monkeypatch, capsys):
+def test_messages_of_several_lines_are_printed_in_one(monkeypatch, capsys):
     def fail(*_: object) -> int:
         raise BadInputError("first\n  second")
 
     monkeypatch.setattr("usvjax.cli._dispatch", fail)
     assert main(["study"]) == 2
-    assert one_line(capsys) == "usvjax: first second\n"
+    assert one_line(capsys) == "usvjax: first\\n second\n"
 
 
 @pytest.mark.parametrize(

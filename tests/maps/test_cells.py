@@ -29,4 +29,12 @@ def test_no_job_has_no_map():
 )
 def test_cells_that_cannot_be_are_refused(density, size, words):
     with pytest.raises(BadInputError, match=words):
-        check_cells(density, size, "s.toml")
+        check_cells((9, 9), density, size, "s.toml")
+
+
+def test_maps_of_more_cells_than_there_is_room_for_are_refused():
+    with pytest.raises(BadInputError, match=r"s\.toml: a map of 'shape' has 20,000 x 20,000 cells"):
+        check_cells((20_000, 20_000), 0.1, 1.0, "s.toml")
+    for shape in ((10**7, 10**7), (10**18, 10)):
+        with pytest.raises(BadInputError, match=r"n: 2 maps of 1000.* cells needs .* of memory"):
+            random_maps(0, 2, shape)

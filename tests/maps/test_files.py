@@ -128,10 +128,11 @@ def test_somebody_elses_json_is_left_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("", r'line 1: a MovingAI map has "type octile" here, got ""'),
+        ("", r'line 1: a MovingAI map has "type octile" here, got \'\''),
         ("type hex\nheight 1\nwidth 1\nmap\n.\n", 'line 1: .*"type octile"'),
-        ("type octile\nwidth 2\nheight 1\nmap\n..\n", 'line 2: .*"height H" here, got "width 2"'),
-        ("type octile\nheight two\nwidth 2\nmap\n..\n", 'line 2: .*got "height two"'),
+        ("type octile\nwidth 2\nwidth 2\nmap\n..\n", "line 3: .*\"height H\" here, got 'width 2'"),
+        ("type octile\nheight two\nwidth 2\nmap\n..\n", "line 2: .*got 'height two'"),
+        ("type octile\nheight 1\nwidth 2\n", "line 4: .*\"map\" here, got ''"),
         ("type octile\nheight 1\nwidth -2\nmap\n..\n", 'line 3: .*"width W"'),
         ("type octile\nheight 1\nwidth 2\n..\n", 'line 4: .*"map" here'),
         ("type octile\nheight 0\nwidth 2\nmap\n", "height and width must be above 0"),
@@ -140,7 +141,8 @@ def test_somebody_elses_json_is_left_alone(tmp_path: Path) -> None:
         ("type octile\nheight 1\nwidth 2\nmap\n..\n..\n", "has 2 rows, but declares height 1"),
         ("type octile\nheight 2\nwidth 3\nmap\n...\n..\n", "line 6: has 2 cells, .*width 3"),
         ("type octile\nheight 2\nwidth 3\nmap\n...\n.x.\n", "line 6, column 2: 'x' is no"),
-        (b"\x89PNG\r\n\x1a\n\x00\xff", "line 1: a MovingAI map"),
+        (b"\x89PNG\r\n\x1a\n\xff", "line 1: a MovingAI map"),
+        (b"\x89PNG\r\n\x1a\n\x00\xff", "holds NUL characters; wanted a text file"),
     ],
 )
 def test_movingai_refuses(tmp_path: Path, content: str | bytes, words: str) -> None:
@@ -153,7 +155,7 @@ def test_movingai_refuses(tmp_path: Path, content: str | bytes, words: str) -> N
     ("content", "words"),
     [
         ('{"cell_size_m": 250,', "line 1: not valid JSON"),
-        (b"\xff\xfe", "not a text file"),
+        (b"\xff", "line 1: not a text file in UTF-8"),
         ('{"cell_size_m": -1}', "cell_size_m: got -1"),
         ('{"cell_size_m": "250"}', "cell_size_m: got '250'"),
         ('{"cell_size_m": NaN}', "cell_size_m: got nan"),

@@ -83,10 +83,11 @@ def test_ros_scale_grades_what_lies_between(tmp_path: Path) -> None:
 
 
 def test_ros_scale_takes_transparent_for_unknown(tmp_path: Path) -> None:
-    pixels = np.array([[[130, 130, 130, 0], [130, 130, 130, 255]]], np.uint8)
+    pixels = np.array([[[130, 130, 130, 0], [130, 130, 130, 255], [0, 0, 0, 255]]], np.uint8)
     path = write_ros(tmp_path, pixels, mode="scale", occupied_thresh=0.9, free_thresh=0.3)
-    np.testing.assert_array_equal(load_map(path, unknown="free").blocked, [[False, False]])
-    np.testing.assert_array_equal(load_map(path, unknown="blocked").blocked, [[True, False]])
+    np.testing.assert_array_equal(load_map(path, unknown="free").blocked, [[False, False, True]])
+    shut = load_map(path, unknown="blocked").blocked
+    np.testing.assert_array_equal(shut, [[True, False, True]])
 
 
 def test_ros_raw_is_per_cent(tmp_path: Path) -> None:
@@ -119,7 +120,8 @@ def test_ros_numbers_without_a_point(tmp_path: Path) -> None:
         ({"resolution": 10**400}, "resolution: got a whole number of more than 308 digits"),
         ({"resolution": "fine"}, "resolution: got 'fine'"),
         ({"resolution": float("nan")}, "resolution: got nan"),
-        ({"origin": [0.0, 0.0]}, r"origin: got \[0.0, 0.0\]"),
+        ({"origin": [0.0]}, r"origin: got \[0.0\]"),
+        ({"negate": "maybe"}, "negate: got 'maybe'"),
         ({"origin": [0.0, "east", 0.0]}, "origin y: got 'east'"),
         ({"origin": [0.0, 0.0, 0.3]}, "origin: got yaw 0.3 rad"),
         ({"negate": 2}, "negate: got 2"),
@@ -139,7 +141,7 @@ def test_ros_refuses(tmp_path: Path, change: dict, words: str) -> None:
     ("content", "words"),
     [
         ("image: [", "line 1: not valid YAML|line 2: not valid YAML"),
-        (b"\xff\xfe\x00", "not valid YAML"),
+        (b"\xff", "line 1: not a text file"),
         ("", "not a map_server file"),
         ("- a\n- b\n", "not a map_server file"),
         ("a: 1\nb: 2024-13-45", r"line 2: not valid YAML \('2024-13-45' cannot be read as time"),
@@ -149,7 +151,7 @@ def test_ros_refuses(tmp_path: Path, change: dict, words: str) -> None:
         ('a: !!timestamp "abc"', r"not valid YAML \('abc' cannot be read as timestamp\)"),
         pytest.param(
             f"a: {'1' * 5001}",
-            r"line 1: not valid YAML \('1{40}' cannot be read as int\)",
+            r"line 1: not valid YAML \('1+\.\.\.1+' cannot be read as int\)",
             id="5001 digits",
         ),
         pytest.param(
@@ -157,7 +159,7 @@ def test_ros_refuses(tmp_path: Path, change: dict, words: str) -> None:
             r"line 1: not valid YAML \('1:.*' cannot be read as float\)",
             id="base 60",
         ),
-        pytest.param("[" * 100_000, r"not valid YAML \(nested too deeply\)", id="nested"),
+        pytest.param("[" * 20_000, r"not valid YAML \(nested too deeply\)", id="nested"),
     ],
 )
 def test_a_damaged_yaml_is_refused(tmp_path: Path, content: str | bytes, words: str) -> None:

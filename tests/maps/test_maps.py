@@ -40,7 +40,7 @@ OPEN = np.zeros((3, 4), bool)
         ({"blocked": np.zeros(4, bool)}, BadInputError, r"blocked: got shape \(4,\)"),
         ({"blocked": np.zeros((2, 3, 4), bool)}, BadInputError, "blocked: got shape"),
         ({"blocked": np.zeros((0, 4), bool)}, BadInputError, r"blocked: got shape \(0, 4\)"),
-        ({"blocked": [[True], [True, False]]}, BadInputError, "blocked: got rows of unequal"),
+        ({"blocked": [[True], [True, False]]}, BadInputError, "blocked: rows of unequal"),
         ({"cell_size": 0.0}, BadInputError, "cell_size: got 0.0"),
         ({"cell_size": -1}, BadInputError, "cell_size: got -1"),
         ({"cell_size": float("nan")}, BadInputError, "cell_size: got nan"),

@@ -72,7 +72,7 @@ def test_too_few_or_too_many_are_refused(count, distance, words):
         (((0.5, 0.5),), "must have 2 to 200 stations"),
         (((0.5, 0.5), (2.5, 0.5)), r"\(2.5, 0.5\) is not on the map's water"),
         (((0.5, 0.5), (9.0, 0.5)), r"\(9, 0.5\) is not on the map's water"),
-        (((0.5, 0.5), (3.5, 0.5)), r"no water joins \(3.5, 0.5\) to the first"),
+        (((0.5, 0.5), (3.5, 0.5)), r"no water joins \(3.5, 0.5\) to \(0.5, 0.5\)"),
         (((0.5, 0.5), (0.6, 0.7)), "two stations in one cell"),
         (((0.5, 0.5), (1e300, 0.0)), "no place in metres"),
         (((0.5, 0.5), (np.nan, 0.0)), "no place in metres"),

@@ -168,6 +168,17 @@ def test_a_mission_is_bound_to_its_own_kernels(kind, there, not_there):
             DRIFT.read_text() + "Drift.tables = {'drift': Waters}\n",
             "'tables' must be of usvjax.sections.Table",
         ),
+        (
+            DRIFT.read_text().replace('MISSIONS = {"drift"', 'MISSIONS = {"drift\\x1b"'),
+            r"the mission 'drift\\x1b' has the name 'drift\\x1b'; wanted text that can be printed",
+        ),
+        (
+            DRIFT.read_text() + "Drift.methods = {'a\\nb': 'words'}\n",
+            r"has the name 'a\\nb'; wanted text",
+        ),
+        ("raise ValueError('no ' * 999)", r"fails: ValueError: (no )+no?$"),
+        ("x = " + "(" * 999 + ")" * 999, r"the plugin 'mydrift.py' fails: \w+Error"),
+        ("x = 'a\0b'", r"mydrift\.py: holds NUL characters; wanted a text file in UTF-8"),
         ("raise SystemExit(3)", r"the plugin 'mydrift.py' fails: SystemExit: 3"),
     ],
 )
@@ -176,6 +187,12 @@ def test_a_plugin_that_is_none_is_one_sentence(folder, source, words):
     with pytest.raises(BadInputError, match=words) as caught:
         load_spec(folder / "mine.toml")
     assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 500
+
+
+def test_a_plugin_with_a_mark_is_read(folder):
+    (folder / "mydrift.py").write_bytes(b"\xef\xbb\xbf" + DRIFT.read_bytes())
+    assert load_spec(folder / "mine.toml").plugin.source == DRIFT.read_bytes()
 
 
 def test_a_plugin_may_not_take_the_place_of_a_mission_of_ours(folder):
@@ -186,7 +203,7 @@ def test_a_plugin_may_not_take_the_place_of_a_mission_of_ours(folder):
 
 def test_a_missing_plugin_is_said(folder):
     (folder / "mydrift.py").unlink()
-    with pytest.raises(BadInputError, match=r"cannot read the plugin 'mydrift.py': No such file"):
+    with pytest.raises(BadInputError, match=r"cannot read the plugin 'mydrift.py': .*no such file"):
         load_spec(folder / "mine.toml")
 
 

@@ -98,7 +98,7 @@ def test_names_and_numbers(change: dict[str, Any], error: type[Exception], messa
         (5.0, BadTypeError, r"got 5\.0; wanted \(low, high\)"),
         (None, BadTypeError, r"got None; wanted \(low, high\)"),
         (("a", "b"), BadTypeError, "low is 'a'; wanted a number"),
-        ((0, [[1], [2, 3]]), BadInputError, "high has rows of unequal length"),
+        ((0, [[1], [2, 3]]), BadInputError, "high: rows of unequal length"),
         ((-3e38, 3e38), BadInputError, "too far apart, or too near each other, for float32"),
         ((1.0, 1.0 + 1e-12), BadInputError, "too far apart, or too near each other"),
     ],

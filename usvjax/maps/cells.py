@@ -10,13 +10,15 @@ from usvjax import checks
 from usvjax.checks import shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.keys import as_key
+from usvjax.maps.grid_map import check_size
 from usvjax.maps.tables import check_share
 from usvjax.memory import check_memory
 from usvjax.public import public
 from usvkernels import grids
 
-# Cells drawn per call: bounds the memory of the uniform fields (16 bytes a cell) to 64 MB.
+# Cells drawn per call: bounds the memory of the uniform fields to 64 MB.
 _CELLS_PER_CALL = 4_000_000
+_BYTES_DRAWN = 16
 
 _draw = jax.jit(grids.random_blocked, static_argnums=(1, 2))
 
@@ -48,7 +50,8 @@ def random_maps(
     Raises:
         BadTypeError: ``key``, ``n``, ``shape`` or ``density`` has the wrong type.
         BadInputError: ``n`` or a side of ``shape`` is below 1, ``density`` lies outside
-            [0, 1], ``first`` is negative, or the seed or an index exceeds 32 bits.
+            [0, 1], ``first`` is negative, the seed or an index exceeds 32 bits, or the maps
+            need more memory than there is.
     """
     stream = as_key(key)
     n = whole_number("n", n, 1)
@@ -57,8 +60,9 @@ def random_maps(
     first = whole_number("first", first, 0)
     if first + n > 2**32:
         raise BadInputError(f"first + n: got {first} + {n}; wanted at most 2**32")
-    check_memory(n * height * width, f"n: {n} maps of {width} x {height} cells")
     chunk = min(n, max(1, _CELLS_PER_CALL // (height * width)))
+    needed = (n + _BYTES_DRAWN * chunk) * height * width
+    check_memory(needed, f"n: {n} maps of {shown(height)} x {shown(width)} cells")
     maps = np.empty((n, height, width), bool)
     for start in range(0, n, chunk):
         # Always the same chunk, so that one compiled program serves every call.
@@ -92,8 +96,13 @@ def maps_of_jobs(seed: int, jobs: np.ndarray, shape: tuple[int, int], density: f
     return np.concatenate([np.empty((0, *shape), bool), *alone])
 
 
-def check_cells(density: float, cell_size: float, where: str) -> None:
-    """Raise BadInputError unless a density lies in [0, 1] and the edge of a cell is above 0 m."""
+def check_cells(shape: tuple[int, int], density: float, cell_size: float, where: str) -> None:
+    """Refuse random maps that cannot be.
+
+    Raises:
+        BadInputError: a map is too large, a density is not in [0, 1], or a cell has no edge.
+    """
+    check_size(*shape, f"{where}: a map of 'shape'", _BYTES_DRAWN)
     check_share("density", density, where)
     if not 0.0 < cell_size < math.inf:
         raise BadInputError(f"{where}: 'cell_size' must be above 0, got {cell_size:g}")

@@ -1,19 +1,18 @@
 """One map that all jobs of a study share: found, refined, inflated, and what its water is."""
 
 import hashlib
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol, TypeVar
 
 import numpy as np
 
+from usvjax.checks import file_path
 from usvjax.errors import BadInputError, saying_where
-from usvjax.maps.grid_map import GridMap
+from usvjax.maps.grid_map import GridMap, check_size
 from usvjax.maps.hongze import find_map
 from usvjax.maps.tables import Opened
-
-MOST_CELLS = 10**8
-"""Of a refined map: a byte each, and eight while it is refined."""
 
 
 class ChartOptions(Protocol):
@@ -64,14 +63,12 @@ def read_chart(
     """
     if refine < 1:
         raise BadInputError(f"{where}: 'refine' must be at least 1, got {refine}")
-    beside = folder / name
     with saying_where(where):
-        grid = find_map(str(beside) if beside.is_file() else name, cell_size=cell_size)
-        cells = grid.blocked.size * refine**2
-        if cells > MOST_CELLS:
-            raise BadInputError(
-                f"'refine' of {refine} makes {cells:,} cells; wanted at most {MOST_CELLS:,}"
-            )
+        beside = folder / file_path("map", name)
+        is_beside = os.path.exists(beside) and not os.path.isdir(beside)
+        grid = find_map(str(beside) if is_beside else name, cell_size=cell_size)
+        height, width = (refine * side for side in grid.shape)
+        check_size(height, width, f"{name!r} with 'refine' of {refine}")
         grid = grid.refined(refine)
     return grid, map_digest(grid)
 

@@ -1,10 +1,12 @@
 """Starts and goals: the same for every job, or drawn on water that joins them."""
 
 import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy import ndimage
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError
 from usvjax.maps.draws import Stream, in_rounds, round_bits, round_uniforms
 from usvjax.maps.grid_map import GridMap
@@ -21,6 +23,8 @@ PAIR_ROUNDS = 3000
 
 # A start without any goal is drawn again, so often at most.
 CELL_ROUNDS = 1000
+
+_FARTHEST = 1e12  # m; whatever lies farther off overflows the number of a cell
 
 
 def fixed_ends(
@@ -56,6 +60,55 @@ def check_fixed_ends(
         raise BadInputError(f"{where}: 'start', 'goal' and 'start_heading' must be finite")
     if start == goal:
         raise BadInputError(f"{where}: 'start' and 'goal' are the same point, {list(start)!r}")
+
+
+NamedPoints = Sequence[tuple[str, tuple[float, float]]]
+"""What messages call a point, and its x and y, m."""
+
+
+def named_points(**points: tuple[float, float]) -> NamedPoints:
+    """Points by their keys in a study, such as "'start' (3, 4)"."""
+    return [(f"{name!r} ({x:g}, {y:g})", (x, y)) for name, (x, y) in points.items()]
+
+
+def check_on_water(points: NamedPoints, water: GridMap, where: str) -> None:
+    """Raise BadInputError unless points lie on free cells of a map."""
+    for name, (x, y) in points:
+        if not max(abs(x), abs(y)) < _FARTHEST:
+            raise BadInputError(f"{where}: {name} is no place in metres")
+        if water.is_blocked((x, y)):
+            raise BadInputError(f"{where}: {name} is not on the map's water")
+
+
+def check_joined(points: NamedPoints, water: GridMap, where: str) -> None:
+    """Raise BadInputError unless points on the water lie in the same body of it."""
+    cells = water.cells_of([point for _, point in points])
+    bodies = water.components()[cells[:, 1], cells[:, 0]]
+    if (bodies != bodies[0]).any():
+        other = points[int(np.argmax(bodies != bodies[0]))][0]
+        raise BadInputError(f"{where}: no water joins {other} to {points[0][0]}")
+
+
+def check_both_ends(
+    start: tuple[float, float] | None, goal: tuple[float, float] | None, where: str
+) -> None:
+    """Raise BadInputError where one of start and goal is given without the other."""
+    if (start is None) != (goal is None):
+        given, missing = ("start", "goal") if goal is None else ("goal", "start")
+        raise BadInputError(f"{where}: {given!r} is given without {missing!r}; wanted both or none")
+
+
+def check_only_drawn(given: Mapping[str, object], fixed: str, where: str) -> None:
+    """Raise BadInputError where a setting of what is drawn stands beside what is `fixed`.
+
+    Args:
+        given: values of the settings by key; falsy ones were left out.
+        fixed: what is given instead.
+        where: the study file and table, for the messages.
+    """
+    for name, value in given.items():
+        if value:
+            raise BadInputError(f"{where}: {name!r} is of what is drawn, but {fixed} is given")
 
 
 def check_outside_goal(
@@ -187,7 +240,7 @@ def end_groups(blocked: np.ndarray, ends: str) -> np.ndarray:
 def check_ends(ends: str, known: tuple[str, ...], min_distance: float, where: str) -> None:
     """Raise BadInputError unless `ends` is known and a least distance (m) 0 or more."""
     if ends not in known:
-        raise BadInputError(f"{where}: unknown ends {ends!r}; {did_you_mean(ends, known)}")
+        raise BadInputError(f"{where}: unknown ends {shown(ends)}; {did_you_mean(ends, known)}")
     check_length("min_distance", min_distance, where)
 
 

@@ -31,11 +31,11 @@ def load_map(
 
     - ``.map``: MovingAI; row 0 is y = 0. A JSON file of the same stem may give ``cell_size_m``,
       ``origin`` ([x, y], m), ``name``, ``source``, ``licence`` and ``row_0: "north"``, which puts
-      the first row at the top. Terrain ``.``, ``G``, ``S`` is free; ``@``, ``O``, ``T``, ``W``
-      blocked.
+      the first row at the top. Terrain ``.``, ``G``, ``S``, ``E`` is free; ``@``, ``O``, ``T``,
+      ``W`` blocked.
     - ``.yaml``, ``.yml``: ROS map_server with its image; yaw must be 0.
     - ``.png``, ``.pgm``, ``.jpg``, ``.jpeg``: dark is blocked, the top is north; needs
-      ``cell_size``.
+      ``cell_size``. What is transparent counts as it looks on white paper.
 
     Args:
         path: the file.
@@ -46,7 +46,9 @@ def load_map(
 
     Raises:
         BadTypeError: an argument has the wrong type.
-        BadInputError: the file is missing, truncated or malformed, or an argument is out of range.
+        BadInputError: the file is missing, truncated, malformed or too large (see
+            ``usvjax.maps.disk`` and ``grid_map.MOST_CELLS``), an image is all blocked or all free
+            for its transparency, or an argument is out of range.
     """
     place = checks.file_path("path", path)
     if cell_size is not None:

@@ -1,5 +1,6 @@
 """GridMap: an occupancy grid with its place and scale in the world."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -7,9 +8,41 @@ import numpy as np
 from scipy import ndimage
 
 from usvjax import checks
-from usvjax.checks import whole_number
+from usvjax.checks import shown, whole_number
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.obstacles import expand_obstacles
+from usvjax.memory import check_memory
+
+MOST_CELLS = 10**8
+"""Of a map that is read, refined or drawn: what searches and figures of it bear."""
+
+_REMOTE = 2.0**62  # the number of a cell where one of 64 bits would overflow
+_AT_ONCE = 2**20  # cells in a band of rows
+
+
+def check_size(height: int, width: int, what: str, each: int = 2) -> None:
+    """Refuse a map that is too large, before anything of its size is made.
+
+    Args:
+        height, width: cells.
+        what: it is, for the message.
+        each: bytes of memory that a cell takes while the map is made.
+
+    Raises:
+        BadInputError: it has more than MOST_CELLS, or needs more memory than there is.
+    """
+    cells = height * width
+    if cells > MOST_CELLS:
+        # Not by "," where Python refuses to print so many digits.
+        size = f"{width:,} x {height:,}" if max(height, width) < 10**15 else "too many"
+        raise BadInputError(f"{what} has {size} cells; wanted at most {MOST_CELLS:,} in all")
+    check_memory(each * cells, f"{what} of {width:,} x {height:,} cells")
+
+
+def bands(height: int, width: int) -> Iterator[slice]:
+    """Rows of a map, some at a time, so that what is computed of them takes little memory."""
+    rows = max(1, _AT_ONCE // width)
+    return (slice(first, min(first + rows, height)) for first in range(0, height, rows))
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +76,7 @@ class GridMap:
         object.__setattr__(self, "origin", checks.pair("origin", self.origin))
         for name in ("name", "attribution"):
             if not isinstance(text := getattr(self, name), str):
-                raise BadTypeError(f"{name}: got {checks.shown(text)}; wanted a string")
+                raise BadTypeError(f"{name}: got {shown(text)}; wanted a string")
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GridMap):
@@ -98,7 +131,9 @@ class GridMap:
             BadInputError: a point is not finite, or the last dimension is not 2.
         """
         place = _pairs("points", points)
-        return np.floor((place - self.origin) / self.cell_size).astype(np.int64)
+        with np.errstate(over="ignore"):
+            cells = np.floor((place - self.origin) / self.cell_size)
+        return np.clip(cells, -_REMOTE, _REMOTE).astype(np.int64)
 
     def points_of(self, cells: Any) -> np.ndarray:
         """Centres of cells.
@@ -181,13 +216,18 @@ class GridMap:
 
         Raises:
             BadTypeError: ``factor`` is not an integer.
-            BadInputError: it is below 1.
+            BadInputError: it is below 1, or the new map has more than MOST_CELLS.
         """
         factor = whole_number("factor", factor, 1)
+        height, width = (factor * side for side in self.shape)
+        check_size(height, width, f"a map refined by a factor of {shown(factor)}")
+        old = self.blocked.astype(np.int32)
+        blocked = np.empty((height, width), bool)
         # Weights are whole multiples of 1 / (2 factor), so integers decide 0.5 exactly.
-        rows = _interpolate(self.blocked.astype(np.int32), factor)
-        weight = _interpolate(np.ascontiguousarray(rows.T), factor).T
-        blocked = weight * 2 >= (2 * factor) ** 2
+        for rows in bands(height, width):
+            north = _interpolate(old, factor, np.arange(height)[rows])
+            weight = _interpolate(np.ascontiguousarray(north.T), factor, np.arange(width)).T
+            blocked[rows] = weight * 2 >= (2 * factor) ** 2
         return replace(self, blocked=blocked, cell_size=self.cell_size / factor)
 
     def components(self) -> np.ndarray:
@@ -214,7 +254,11 @@ def _pairs(name: str, value: Any) -> np.ndarray:
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise BadTypeError(f"{name}: got {checks.shown(value)}; wanted numbers [..., 2]") from None
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted numbers [..., 2]") from None
+    except OverflowError:
+        raise BadInputError(
+            f"{name}: got {shown(value)}; wanted numbers that a float holds"
+        ) from None
     if array.ndim == 0 or array.shape[-1] != 2:
         raise BadInputError(f"{name}: got shape {array.shape}; wanted [..., 2] for (x, y)")
     if not np.isfinite(array).all():
@@ -222,12 +266,11 @@ def _pairs(name: str, value: Any) -> np.ndarray:
     return array
 
 
-def _interpolate(values: np.ndarray, factor: int) -> np.ndarray:
-    """Interpolate along axis 0 at the centres of ``factor`` parts per cell, times 2 factor."""
+def _interpolate(values: np.ndarray, factor: int, new: np.ndarray) -> np.ndarray:
+    """Interpolate along axis 0 at ``new`` centres of ``factor`` parts per cell, times 2 factor."""
     count = values.shape[0]
     # In cells, new centre i lies (2 i + 1 - factor) / (2 factor) from the first old centre.
-    position = 2 * np.arange(count * factor) + 1 - factor
-    lower, part = np.divmod(position, 2 * factor)
+    lower, part = np.divmod(2 * new + 1 - factor, 2 * factor)
     before = values[np.clip(lower, 0, count - 1)]
     after = values[np.clip(lower + 1, 0, count - 1)]
-    return (2 * factor - part)[:, None] * before + part[:, None] * after
+    return ((2 * factor - part)[:, None] * before + part[:, None] * after).astype(np.int32)

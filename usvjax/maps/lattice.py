@@ -15,6 +15,7 @@ moves nothing, so that differences between conditions of a study are paired.
 import numpy as np
 from scipy.stats import binom
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError
 from usvjax.maps.discs import check_has_area, discs_for_share, outside_circles
 from usvjax.maps.draws import uniform_fields
@@ -84,7 +85,7 @@ def check_lattice(rate_meaning: str, lo: int, hi: int, radius: float, where: str
         check_has_area(radius, "rate_meaning", where)
     if rate_meaning not in RATE_MEANINGS:
         hint = did_you_mean(rate_meaning, RATE_MEANINGS)
-        raise BadInputError(f"{where}: unknown rate_meaning {rate_meaning!r}; {hint}")
+        raise BadInputError(f"{where}: unknown rate_meaning {shown(rate_meaning)}; {hint}")
 
 
 def _points(lo: int, hi: int) -> np.ndarray:

@@ -6,8 +6,11 @@ included in trinary mode), the occupancy probability is p = (255 - s) / 255, or 
 between. Mode ``scale`` grades the cells in between from 1 to 99 per cent (transparent ones are
 unknown); mode ``raw`` takes s (255 - s if ``negate``) as the percentage, unknown above 100. A
 graded cell counts as blocked from 50 per cent up.
+
+Names of modes may be in capitals, numbers and flags in quotation marks, and the yaw left out.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
 
@@ -15,11 +18,11 @@ import numpy as np
 import yaml
 
 from usvjax import checks
-from usvjax.checks import one_of
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.checks import one_of, shown
+from usvjax.errors import BadInputError, BadTypeError, printable
 from usvjax.maps import disk
 from usvjax.maps.grid_map import GridMap
-from usvjax.maps.image import encode_image, read_pixels
+from usvjax.maps.image import encode_image, read_cells
 
 Unknown = Literal["blocked", "free"]
 
@@ -27,8 +30,10 @@ _REQUIRED = ("image", "resolution", "origin", "occupied_thresh", "free_thresh", 
 _MODES = ("trinary", "scale", "raw")
 _BLOCKED_FROM_PERCENT = 50.0
 _UNKNOWN = -1.0
+_FLAGS = {"0": False, "false": False, "no": False, "1": True, "true": True, "yes": True}
 # What the YAML loader lets through for a date of no calendar, !!int "abc", !!bool "abc", ...
 _NOT_CONVERTED = (ValueError, ArithmeticError, LookupError, AttributeError)
+_MOST_TEXT = 2**16  # bytes: these files have seven keys, and reading YAML takes its time
 # map_saver writes these, so that its own readers see free and occupied, nothing unknown.
 _OCCUPIED_THRESH, _FREE_THRESH, _FREE_PIXEL = 0.65, 0.196, 254
 
@@ -56,16 +61,24 @@ def read_ros(
     try:
         resolution = checks.positive("resolution", _as_number(content["resolution"]))
         corner = _corner(content["origin"])
-        percent = _percent(content, path)
+        percent = _percent_of(content)
+        image = checks.file_path("image", content["image"])
+        occupied = read_cells(
+            path.parent / image, lambda pixels: _blocked(percent(pixels), unknown)
+        )
     except (BadInputError, BadTypeError) as error:
         raise BadInputError(f"{path}: {error}") from None
-    occupied = np.where(percent == _UNKNOWN, unknown == "blocked", percent >= _BLOCKED_FROM_PERCENT)
     return GridMap(
         occupied[::-1],
         resolution if cell_size is None else cell_size,
         corner if origin is None else origin,
-        path.stem,
+        printable(path.stem),
     )
+
+
+def _blocked(percent: np.ndarray, unknown: Unknown) -> np.ndarray:
+    """Which cells are blocked by their occupancy in per cent, _UNKNOWN where it is not known."""
+    return np.where(percent == _UNKNOWN, unknown == "blocked", percent >= _BLOCKED_FROM_PERCENT)
 
 
 def encode_ros(grid: GridMap, path: Path) -> dict[Path, bytes]:
@@ -91,17 +104,25 @@ def encode_ros(grid: GridMap, path: Path) -> dict[Path, bytes]:
     }
     text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None)
     if grid.attribution:
-        note = " ".join(f"{grid.name}: {grid.attribution}".split())
+        note = printable(" ".join(f"{grid.name}: {grid.attribution}".split()))
         text = f"# {note}\n{text}"
     return {**encode_image(grid, image, free=_FREE_PIXEL), path: text.encode()}
 
 
-class _ConversionError(yaml.MarkedYAMLError):
-    """A value is not of the type that its tag or its looks say."""
+class _RefusedError(yaml.MarkedYAMLError):
+    """A value is not of the type that its tag or its looks say, or may stand for many."""
 
 
 class _Loader(yaml.SafeLoader):
-    """The safe loader, except that a value it cannot convert is an error of its line."""
+    """The safe loader without anchors, which names the line of a value it cannot convert."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Read a node; what anchors repeat, one in another, soon fills any memory."""
+        event: Any = self.peek_event()
+        if event.anchor is not None:
+            problem = "anchors and aliases, & and *, are not read"
+            raise _RefusedError(problem=problem, problem_mark=event.start_mark)
+        return super().compose_node(parent, index)
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         """Return the value of a node."""
@@ -109,17 +130,18 @@ class _Loader(yaml.SafeLoader):
             return super().construct_object(node, deep=deep)
         except _NOT_CONVERTED:
             kind = node.tag.rsplit(":")[-1]
-            problem = f"{str(node.value)[:40]!r} cannot be read as {kind}"
-            raise _ConversionError(problem=problem, problem_mark=node.start_mark) from None
+            problem = f"{shown(node.value)} cannot be read as {kind[:20]}"
+            raise _RefusedError(problem=problem, problem_mark=node.start_mark) from None
 
 
 def _parse(path: Path) -> dict[str, Any]:
+    text = disk.read_text(path, _MOST_TEXT)
     try:
-        content = yaml.load(disk.read_bytes(path).decode(), _Loader)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        content = yaml.load(text, _Loader)
+    except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         place = f" line {mark.line + 1}" if mark else ""
-        reason = f" ({error.problem})" if isinstance(error, _ConversionError) else ""
+        reason = f" ({error.problem})" if isinstance(error, _RefusedError) else ""
         raise BadInputError(f"{path}{place}: not valid YAML{reason}") from None
     except RecursionError:
         raise BadInputError(f"{path}: not valid YAML (nested too deeply)") from None
@@ -131,27 +153,29 @@ def _parse(path: Path) -> dict[str, Any]:
     return content
 
 
-def _percent(content: dict[str, Any], path: Path) -> np.ndarray:
-    """Occupancy of each pixel in per cent, float64[H, W], -1 where unknown."""
+def _percent_of(content: dict[str, Any]) -> Callable[[np.ndarray], np.ndarray]:
+    """How the file reads pixels, float64[h, W, C]: occupancy in per cent, -1 where unknown."""
     mode = content.get("mode", "trinary")
+    mode = mode.lower() if isinstance(mode, str) else mode
     one_of("mode", mode, _MODES)
     free, occupied = _thresholds(content)
     negate = _as_flag(content["negate"])
-    if not isinstance(content["image"], str):
-        raise BadTypeError(f"image: got {content['image']!r}; wanted a file name")
-    pixels = read_pixels(path.parent / checks.file_path("image", content["image"]))
-    has_alpha = pixels.shape[-1] == 4
-    shade = (pixels if mode == "trinary" or not has_alpha else pixels[..., :3]).mean(axis=-1)
-    if mode == "raw":
-        value = np.floor(255.0 - shade if negate else shade)
-        return np.where(value <= 100, value, _UNKNOWN)
-    p = (shade if negate else 255.0 - shade) / 255.0
-    between = np.full(p.shape, _UNKNOWN)
-    if mode == "scale" and occupied > free:
-        between = np.floor(1.0 + 98.0 * (p - free) / (occupied - free))
-        if has_alpha:
-            between[pixels[..., 3] < 255] = _UNKNOWN
-    return np.where(p > occupied, 100.0, np.where(p < free, 0.0, between))
+
+    def percent(pixels: np.ndarray) -> np.ndarray:
+        has_alpha = pixels.shape[-1] == 4
+        shade = (pixels if mode == "trinary" or not has_alpha else pixels[..., :3]).mean(axis=-1)
+        if mode == "raw":
+            value = np.floor(255.0 - shade if negate else shade)
+            return np.where(value <= 100, value, _UNKNOWN)
+        p = (shade if negate else 255.0 - shade) / 255.0
+        between = np.full(p.shape, _UNKNOWN)
+        if mode == "scale" and occupied > free:
+            between = np.floor(1.0 + 98.0 * (p - free) / (occupied - free))
+            if has_alpha:
+                between[pixels[..., 3] < 255] = _UNKNOWN
+        return np.where(p > occupied, 100.0, np.where(p < free, 0.0, between))
+
+    return percent
 
 
 def _thresholds(content: dict[str, Any]) -> tuple[float, float]:
@@ -165,19 +189,20 @@ def _thresholds(content: dict[str, Any]) -> tuple[float, float]:
 
 
 def _corner(origin: Any) -> tuple[float, float]:
-    if not isinstance(origin, list) or len(origin) != 3:
-        raise BadInputError(f"origin: got {origin!r}; wanted [x, y, yaw]")
-    x, y, yaw = (
+    if not isinstance(origin, list) or len(origin) not in (2, 3):
+        raise BadInputError(f"origin: got {shown(origin)}; wanted [x, y, yaw]")
+    x, y, *rest = (
         checks.number(f"origin {axis}", _as_number(value))
-        for axis, value in zip(("x", "y", "yaw"), origin, strict=True)
+        for axis, value in zip(("x", "y", "yaw"), origin, strict=False)
     )
+    yaw = rest[0] if rest else 0.0
     if yaw != 0:
         raise BadInputError(f"origin: got yaw {yaw:g} rad; wanted 0, rotated maps cannot be read")
     return x, y
 
 
 def _as_number(value: Any) -> Any:
-    """Undo a quirk of YAML 1.1: 5e-2, without a point, is a string."""
+    """Undo quotation marks, and a quirk of YAML 1.1: 5e-2, without a point, is a string."""
     try:
         return float(value) if isinstance(value, str) else value
     except ValueError:
@@ -185,6 +210,7 @@ def _as_number(value: Any) -> Any:
 
 
 def _as_flag(value: Any) -> bool:
-    if value not in (0, 1):
-        raise BadInputError(f"negate: got {value!r}; wanted 0 or 1")
-    return bool(value)
+    flag = _FLAGS.get(value.lower()) if isinstance(value, str) else value
+    if flag not in (0, 1):
+        raise BadInputError(f"negate: got {shown(value)}; wanted 0 or 1")
+    return bool(flag)

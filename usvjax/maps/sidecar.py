@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from usvjax import checks
-from usvjax.checks import whole_number
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.checks import shown, whole_number
+from usvjax.errors import BadInputError, BadTypeError, printable
 from usvjax.maps import disk
 from usvjax.maps.grid_map import GridMap
 
 # A JSON file with none of these beside a map is somebody else's file.
 _MARKS = ("cell_size_m", "origin", "row_0")
+_MOST_WORDS = 1000
 
 
 @dataclass(frozen=True)
@@ -92,10 +93,9 @@ def encode_sidecar(grid: GridMap, map_path: Path) -> dict[Path, bytes]:
 
 
 def _parse(path: Path) -> Any:
+    text = disk.read_text(path)
     try:
-        return json.loads(disk.read_bytes(path).decode())
-    except UnicodeDecodeError:
-        raise BadInputError(f"{path}: not a text file") from None
+        return json.loads(text)
     except json.JSONDecodeError as error:
         raise BadInputError(f"{path} line {error.lineno}: not valid JSON ({error.msg})") from None
     except RecursionError:
@@ -108,7 +108,7 @@ def _parse(path: Path) -> Any:
 def _sidecar_of(content: dict[str, Any]) -> Sidecar:
     row_0 = content.get("row_0", "south")
     if row_0 not in ("north", "south"):
-        raise BadInputError(f"row_0: got {row_0!r}; wanted 'north' or 'south'")
+        raise BadInputError(f"row_0: got {shown(row_0)}; wanted 'north' or 'south'")
     shape = None
     if "height" in content and "width" in content:
         shape = (
@@ -120,13 +120,17 @@ def _sidecar_of(content: dict[str, Any]) -> Sidecar:
         origin=checks.pair("origin", content.get("origin", (0.0, 0.0))),
         north_first=row_0 == "north",
         shape=shape,
-        name=str(content.get("name", "")),
-        attribution=_attribution(content),
+        name=_words(content, "name"),
+        attribution=_words(content, "attribution")
+        or "; ".join(filter(None, (_words(content, key) for key in ("source", "licence")))),
     )
 
 
-def _attribution(content: dict[str, Any]) -> str:
-    if "attribution" in content:
-        return str(content["attribution"])
-    parts = [str(content[key]) for key in ("source", "licence") if content.get(key)]
-    return "; ".join(parts)
+def _words(content: dict[str, Any], key: str) -> str:
+    """A text that titles and tables show; what cannot be printed is escaped."""
+    text = content.get(key, "")
+    if not isinstance(text, str):
+        raise BadTypeError(f"{key}: got {shown(text)}; wanted text")
+    if len(text) > _MOST_WORDS:
+        raise BadInputError(f"{key}: has {len(text)} characters; wanted at most {_MOST_WORDS}")
+    return printable(text)

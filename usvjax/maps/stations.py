@@ -4,7 +4,7 @@ import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.maps.draws import Stream, in_rounds, round_bits
-from usvjax.maps.ends import least_squared
+from usvjax.maps.ends import check_joined, check_on_water, least_squared
 from usvjax.maps.grid_map import GridMap
 from usvjax.maps.tables import check_length
 
@@ -14,7 +14,6 @@ MOST_STATIONS = 200
 _ROUNDS = 50
 
 _BLOCK = 64  # jobs that draw at once
-_FARTHEST = 1e12  # m; whatever lies farther off overflows the number of a cell
 
 
 def draw_stations(
@@ -86,17 +85,10 @@ def check_places(places: tuple[tuple[float, float], ...], water: GridMap, where:
             it, or two share a cell.
     """
     check_stations(len(places), 0.0, where)
-    if not (np.abs(places) < _FARTHEST).all():
-        raise BadInputError(f"{where}: 'places' has a number that is no place in metres")
+    points = [(f"({x:g}, {y:g})", (x, y)) for x, y in places]
+    check_on_water(points, water, f"{where}: 'places'")
+    check_joined(points, water, f"{where}: 'places'")
     cells = water.cells_of(places)
-    wet = ~water.is_blocked(water.points_of(cells))
-    if not wet.all():
-        x, y = places[int(np.argmin(wet))]
-        raise BadInputError(f"{where}: 'places': ({x:g}, {y:g}) is not on the map's water")
-    bodies = water.components()[cells[:, 1], cells[:, 0]]
-    if (bodies != bodies[0]).any():
-        x, y = places[int(np.argmax(bodies != bodies[0]))]
-        raise BadInputError(f"{where}: 'places': no water joins ({x:g}, {y:g}) to the first")
     if len(np.unique(cells, axis=0)) < len(cells):
         raise BadInputError(f"{where}: 'places' has two stations in one cell")
 

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.sections import Table
 from usvjax.suggest import did_you_mean
@@ -54,9 +55,11 @@ def read_maps(
     """
     name = given.get("source", table.default)
     if not isinstance(name, str):
-        raise BadTypeError(f"{where}: 'source' must be a string, got {name!r}")
+        raise BadTypeError(f"{where}: 'source' must be a string, got {shown(name)}")
     if name not in table.kinds:
-        raise BadInputError(f"{where}: unknown source {name!r}; {did_you_mean(name, table.kinds)}")
+        raise BadInputError(
+            f"{where}: unknown source {shown(name)}; {did_you_mean(name, table.kinds)}"
+        )
     (options,) = table.classes(name)
     rest = {k: v for k, v in given.items() if k != "source"}
     found = opened(read_table(options, rest, where), folder, where)

@@ -15,6 +15,7 @@ from pathlib import Path
 import usvkernels
 from usvjax.errors import BadInputError
 from usvjax.exports import home_of
+from usvjax.maps.disk import read_plain
 from usvjax.mission import Mission
 
 DRAWING = ("example", "figures", "film")
@@ -93,7 +94,7 @@ def _sources(starts: set[Path], names: frozenset[str], ours: bool = True) -> dic
         key = path.relative_to(_package_of(path) or path.parent).as_posix()
         if key in found:
             continue
-        source = path.read_bytes()
+        source = read_plain(path)
         tree = ast.parse(source)
         found[key] = _without_drawing(source, tree, names) if path in starts else source
         imported = filter(None, (_file(module, folders) for module in _imports(tree)))

@@ -7,19 +7,24 @@ may bring files of one name, and a changed file is another module.
 
 import hashlib
 import importlib.util
+import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.checks import file_path, shown
+from usvjax.errors import BadInputError, BadTypeError, saying_where, unprintable
+from usvjax.maps.disk import read_plain
 from usvjax.mission import Mission
 from usvjax.registry import register_mission
 from usvjax.sections import Table
 from usvjax.study.code import beside
 
 PREFIX = "usvjax_plugin_"
+
+_MOST_OF_ERROR = 200
 
 _WANTED = [name for name in (*Mission.__annotations__, *vars(Mission)) if not name.startswith("_")]
 
@@ -51,8 +56,7 @@ class Plugin:
         except (BadInputError, BadTypeError):
             raise
         except (Exception, SystemExit) as error:
-            what = f"{type(error).__name__}: {error}"
-            raise BadInputError(f"{where}: the plugin {self.name!r} fails: {what}") from error
+            raise BadInputError(_failure(self.name, where, error)) from error
         found = getattr(module, "MISSIONS", None)
         if not isinstance(found, dict) or not found:
             raise BadInputError(
@@ -67,7 +71,7 @@ class Plugin:
                 raise BadInputError(f"{where}: the plugin {self.name!r}: {error}") from None
 
     def _check(self, kind: object, mission: object, where: str) -> None:
-        place = f"{where}: the plugin {self.name!r}: the mission {kind!r}"
+        place = f"{where}: the plugin {self.name!r}: the mission {shown(kind)}"
         if not isinstance(kind, str):
             raise BadInputError(f"{place} has a kind that is no string; wanted one")
         missing = [name for name in _WANTED if not hasattr(mission, name)]
@@ -81,6 +85,13 @@ class Plugin:
         for name in ("methods", "metrics", "endings"):
             if not getattr(checked, name):
                 raise BadInputError(f"{place}: {name!r} is empty")
+        metrics = [word for m in checked.metrics for word in (m.name, m.unit, m.label)]
+        for word in (kind, *checked.methods, *checked.methods.values(), *metrics):
+            if not isinstance(word, str) or unprintable(word):
+                raise BadInputError(
+                    f"{place} has the name {shown(word)}; wanted text that can be printed in one "
+                    f"line"
+                )
 
 
 def read_plugin(name: str, folder: Path, where: str) -> Plugin:
@@ -94,18 +105,25 @@ def read_plugin(name: str, folder: Path, where: str) -> Plugin:
     Raises:
         BadInputError: it cannot be read.
     """
-    path = (folder / name).resolve()
+    with saying_where(f"{where}: cannot read the plugin {shown(name)}"):
+        path = (folder / file_path("plugin", name)).resolve()
+        source = read_plain(path)
     try:
-        source = path.read_bytes()
-        parts = {"": str(path).encode(), **beside(path)}
-    except OSError as error:
-        raise BadInputError(f"{where}: cannot read the plugin {name!r}: {error.strerror}") from None
-    except SyntaxError as error:
-        raise BadInputError(f"{where}: the plugin {name!r} fails: SyntaxError: {error}") from None
+        parts = {"": os.fsencode(path), **beside(path)}
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        # All of them are what Python says of sources that it cannot parse.
+        raise BadInputError(_failure(name, where, error)) from None
     digest = hashlib.sha256()
     for key, part in sorted(parts.items()):
         digest.update(key.encode() + b"\0" + part + b"\0")
     return Plugin(name, path, source, digest.hexdigest()[:16])
+
+
+def _failure(name: str, where: str, error: BaseException) -> str:
+    """One sentence about what the import of a plug-in raised, whose message may be long."""
+    text = " ".join(str(error).split())
+    what = f"{type(error).__name__}: {text[:_MOST_OF_ERROR]}"
+    return f"{where}: the plugin {name!r} fails: {what}"
 
 
 def _imported(plugin: Plugin) -> ModuleType:

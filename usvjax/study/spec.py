@@ -17,7 +17,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from usvjax.checks import file_path, shown
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.maps.disk import read_text
 from usvjax.mission import Case, Files, Mission
 from usvjax.public import public
 from usvjax.registry import find_mission, mission_kinds
@@ -38,7 +40,10 @@ MAX_SHARD = 1_000_000
 MAX_SHARDS = 1_000_000
 """Shards of a condition: a file each, and a place in the queue of what is to be run."""
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+_MOST_OF_ERROR = 200
+"""Characters of what the parser says: it quotes what it read."""
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 
 
 @dataclass(frozen=True)
@@ -166,13 +171,12 @@ def load_spec(path: str | Path) -> StudySpec:
         BadInputError: the file cannot be read, or a key or value cannot be used.
         BadTypeError: a value has the wrong type.
     """
-    path = Path(path)
+    path = file_path("path", path)
+    text = read_text(path)
     try:
-        tables = tomllib.loads(path.read_bytes().decode())
-    except OSError as error:
-        raise BadInputError(f"cannot read the study {path}: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadInputError(f"{path} is not valid TOML: {error}") from error
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInputError(f"{path} is not valid TOML: {str(error)[:_MOST_OF_ERROR]}") from error
     except RecursionError as error:
         raise BadInputError(
             f"{path} is nested too deeply; wanted at most {MAX_NESTED} tables or lists within "
@@ -224,8 +228,8 @@ def parse_spec(
         most = case.most_jobs
         if most is not None and top.episodes > most:
             raise BadInputError(
-                f"{where}: 'episodes' must be at most {most}, as many as the study's files "
-                f"hold, got {top.episodes}"
+                f"{where}: 'episodes' must be at most {most}, as many different ones as 'maps' "
+                f"gives, got {top.episodes}"
             )
         for method in methods:
             if method in case.refusals:
@@ -261,7 +265,7 @@ def _plugin(tables: Mapping[str, Any], files: Files) -> Plugin | None:
     if name is None:
         return None
     if not isinstance(name, str):
-        raise BadTypeError(f"{files.where}: 'plugin' must be a string, got {name!r}")
+        raise BadTypeError(f"{files.where}: 'plugin' must be a string, got {shown(name)}")
     plugin = read_plugin(name, files.folder, files.where)
     plugin.load(files.where)
     return plugin
@@ -282,8 +286,9 @@ def _check_top(top: StudyFile, mission: Mission, where: str) -> tuple[tuple[str,
     """Check values of top-level keys; return the methods and the baseline."""
     if not _NAME.fullmatch(top.name):
         raise BadInputError(
-            f"{where}: 'name' must be letters, digits, '.', '_' or '-' (it names a folder), "
-            f"got {top.name!r}"
+            f"{where}: 'name' must be at most 100 letters, digits, '.', '_' or '-' (it names a "
+            f"folder), "
+            f"got {shown(top.name)}"
         )
     _check_range(where, "episodes", top.episodes, 1, MAX_EPISODES)
     _check_range(where, "shard", top.shard, 1, MAX_EPISODES)
@@ -306,13 +311,15 @@ def _check_top(top: StudyFile, mission: Mission, where: str) -> tuple[tuple[str,
     for method in methods:
         if method not in mission.methods:
             hint = did_you_mean(method, mission.methods)
-            raise BadInputError(f"{where}: unknown method {method!r} in 'methods'; {hint}")
+            raise BadInputError(f"{where}: unknown method {shown(method)} in 'methods'; {hint}")
     if len(set(methods)) != len(methods):
-        raise BadInputError(f"{where}: 'methods' names a method twice: {list(methods)!r}")
+        raise BadInputError(f"{where}: 'methods' names a method twice: {shown(list(methods))}")
     baseline = methods[0] if top.baseline is None else top.baseline
     if baseline not in methods:
         hint = did_you_mean(baseline, methods)
-        raise BadInputError(f"{where}: 'baseline' is {baseline!r}, not one of 'methods'; {hint}")
+        raise BadInputError(
+            f"{where}: 'baseline' is {shown(baseline)}, not one of 'methods'; {hint}"
+        )
     return methods, baseline
 
 

@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.sections import Sections, check_dotted
 
@@ -16,7 +17,7 @@ def table_of(tables: Mapping[str, Any], name: str, where: str) -> Mapping[str, A
     """
     table = tables.get(name, {})
     if not isinstance(table, Mapping):
-        raise BadTypeError(f"{where}: {name!r} must be a table, got {table!r}")
+        raise BadTypeError(f"{where}: {name!r} must be a table, got {shown(table)}")
     return table
 
 
@@ -38,11 +39,13 @@ def variants_of(
     check_dotted(axes, sections, f"{where}: [axes]")
     for key, values in axes.items():
         if not isinstance(values, list) or not values:
-            raise BadTypeError(f"{where}: [axes]: {key!r} must be a list of values, got {values!r}")
+            raise BadTypeError(
+                f"{where}: [axes]: {shown(key)} must be a list of values, got {shown(values)}"
+            )
     for label, listed in _listed(tables, sections, where):
         both = sorted(set(listed) & set(axes))
         if both:
-            raise BadInputError(f"{where}: {both[0]!r} is in both [[conditions]] and [axes]")
+            raise BadInputError(f"{where}: {shown(both[0])} is in both [[conditions]] and [axes]")
         for values in itertools.product(*axes.values()):
             crossed = dict(zip(axes, values, strict=True))
             told = {} if label else dict(listed)
@@ -60,14 +63,16 @@ def _listed(
         or not listed
         or not all(isinstance(table, Mapping) for table in listed)
     ):
-        raise BadTypeError(f"{where}: 'conditions' must be [[conditions]] tables, got {listed!r}")
+        raise BadTypeError(
+            f"{where}: 'conditions' must be [[conditions]] tables, got {shown(listed)}"
+        )
     result = []
     for number, table in enumerate(listed, start=1):
         place = f"{where}: [[conditions]] {number}"
         flat = _flatten(table)
         label = flat.pop("label", "")
         if not isinstance(label, str):
-            raise BadTypeError(f"{place}: 'label' must be a string, got {label!r}")
+            raise BadTypeError(f"{place}: 'label' must be a string, got {shown(label)}")
         check_dotted(flat, sections, place, ["label"])
         result.append((label, flat))
     return result

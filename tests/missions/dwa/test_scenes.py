@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from usvjax.errors import BadInputError
-from usvjax.maps import GridMap
+from usvjax.maps import GridMap, save_map
 from usvjax.missions.dwa.scenes import ChartSource, ChartTable, DiscTable, DwaScenes, LatticeTable
+from usvjax.study import parse_spec
 
 JOBS = np.arange(200)
 
@@ -163,3 +164,76 @@ def test_a_source_draws_the_same_in_another_process(source):
         np.testing.assert_array_equal(scenes.goals, drawn.goals)
         np.testing.assert_array_equal(scenes.valid, drawn.valid)
         assert np.all(scenes.obstacles == drawn.obstacles)
+
+
+# --- a start and a goal of one's own on a map ---------------------------------------------------
+
+GIVEN = {"map": "pond", "start": (1200.0, -300.0), "goal": (2200.0, 900.0)}
+
+
+def given(**changes) -> ChartSource:
+    return ChartSource(pond(), ChartTable(**{**GIVEN, **changes}))
+
+
+def test_given_ends_are_those_of_the_only_job():
+    source = given()
+    source.check(50.0, "s.toml")
+    source.check_outside_goal(1500.0, "s.toml")
+    assert source.most_jobs == 1
+    drawn = source.draw(3, np.arange(1), 50.0)
+    assert drawn.obstacles is source.chart
+    assert drawn.starts.tolist() == [[1200.0, -300.0, math.atan2(1200.0, 1000.0)]]
+    assert drawn.goals.tolist() == [[2200.0, 900.0]]
+    turned = given(start_heading=-1.0).draw(3, np.arange(1), 50.0)
+    assert turned.starts.tolist() == [[1200.0, -300.0, -1.0]]
+    assert ChartSource(pond(), POND).most_jobs is None
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"goal": None}, "'start' is given without 'goal'; wanted both or none"),
+        ({"start": None}, "'goal' is given without 'start'"),
+        ({"start": None, "goal": None, "start_heading": 1.0}, "'start_heading' goes with 'start'"),
+        ({"start": (1010.0, -190.0)}, r"'start' \(1010, -190\) is not on the map's water"),
+        ({"goal": (3050.0, 100.0)}, r"'goal' \(3050, 100\) is not on the map's water"),
+        ({"goal": (-5e3, 0.0)}, r"'goal' \(-5000, 0\) is not on the map's water"),
+        ({"goal": (1e300, 0.0)}, r"'goal' \(1e\+300, 0\) is no place in metres"),
+        ({"goal": (math.nan, 0.0)}, "must be finite"),
+        ({"start_heading": math.inf}, "must be finite"),
+        ({"goal": (1200.0, -300.0)}, "are the same point"),
+        (
+            {"goal": (4000.0, 300.0)},
+            r"no water joins 'goal' \(4000, 300\) to 'start' \(1200, -300\)",
+        ),
+        ({"distance": (1.0, 2.0)}, "'distance' is of what is drawn, but 'start' is given"),
+        ({"shore_distance": 120.0}, "'shore_distance' is of what is drawn"),
+    ],
+)
+def test_given_ends_that_do_not_serve_are_refused(change, words):
+    with pytest.raises(BadInputError, match=rf"s\.toml: .*{words}"):
+        given(**change).check(50.0, "s.toml")
+
+
+def test_a_given_start_within_the_tolerance_of_its_goal_is_refused():
+    with pytest.raises(BadInputError, match=r"'start' .* lies 1562\.05 m from 'goal'"):
+        given().check_outside_goal(1563.0, "s.toml")
+
+
+def test_a_study_between_given_ends_is_checked_before_it_runs(tmp_path):
+    save_map(pond(), tmp_path / "pond.map")
+    maps = {"source": "grid", "map": "pond.map", "start": [1200.0, -300.0], "goal": [2200.0, 900.0]}
+    study = {
+        "name": "mine",
+        "kind": "dwa",
+        "episodes": 1,
+        "maps": maps,
+        "params": {"preset": "lake", "radius": 40.0},
+    }
+    spec = parse_spec(study, folder=tmp_path)
+    assert spec.conditions[0].case.settings["maps"]["distance"] is None
+    with pytest.raises(BadInputError, match="'episodes' must be at most 1, as many different ones"):
+        parse_spec({**study, "episodes": 2}, folder=tmp_path)
+    inside = {**study, "maps": {**maps, "start": [1055.0, -300.0]}}
+    with pytest.raises(BadInputError, match=r"\[maps\]: starts: .* inside the obstacle at"):
+        parse_spec(inside, folder=tmp_path)

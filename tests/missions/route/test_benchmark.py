@@ -23,7 +23,7 @@ SCEN = """version 1
 0\tmaps/room.map\t6\t5\t0\t0\t5\t0\t5
 1\tmaps/room.map\t6\t5\t0\t0\t1\t1\t1.41421356
 2\tmaps/room.map\t6\t5\t2\t2\t2\t2\t0
-3\tmaps/room.map\t6\t5\t0\t0\t0\t4\t8
+3\tmaps/room.map\t6\t5\t0\t0\t0\t4\t0
 """
 
 
@@ -43,12 +43,10 @@ def scen_study(**changes):
 def test_a_scenario_file_gives_every_query_once_with_its_optimum(benchmark):
     spec = parse_spec(scen_study(maps={"cell_size": 2.0}), folder=benchmark)
     drawn = spec.conditions[0].case.given.source.draw(4, np.arange(4))
-    assert sorted(drawn.published.tolist()) == [0.0, 1.41421356, 5.0, 8.0]
+    assert sorted(drawn.published.tolist()) == [0.0, 0.0, 1.41421356, 5.0]
     assert drawn.starts.tolist() != [[0, 0], [0, 0], [2, 2], [0, 0]]
     row = study_rows(spec, "astar", np.arange(4))
-    ratio = dict(zip(drawn.published.tolist(), row["ratio"].tolist(), strict=True))
-    # The last line is wrong on purpose: the route is 4 cells long.
-    assert ratio == pytest.approx({0.0: 1.0, 1.41421356: 1.0, 5.0: 1.0, 8.0: 0.5})
+    assert row["ratio"].tolist() == [1.0] * 4
     assert set(row["path_length"].round(6)) == {0.0, 2.828427, 10.0, 8.0}
 
 
@@ -56,10 +54,36 @@ def test_a_scenario_file_gives_every_query_once_with_its_optimum(benchmark):
 def test_a_route_from_a_cell_to_itself_has_no_length(benchmark, method):
     spec = parse_spec(scen_study(), folder=benchmark)
     row = study_rows(spec, method, np.arange(4))
-    nowhere = spec.conditions[0].case.given.source.draw(4, np.arange(4)).published == 0.0
+    drawn = spec.conditions[0].case.given.source.draw(4, np.arange(4))
+    nowhere = (drawn.starts == drawn.goals).all(axis=1)
     assert row["path_length"][nowhere] == [0.0]
     assert row["ratio"][nowhere] == [1.0]
     assert (row["status"] == Status.FOUND).all()
+
+
+def test_a_length_that_is_not_known_is_no_optimum(benchmark):
+    """0 between two cells: the route is compared with the shortest that there is."""
+    blocked = np.zeros((5, 6), bool)
+    blocked[:4, 2] = True
+    save_map(GridMap(blocked), benchmark / "room.map")
+    line = "0\troom.map\t6\t5\t0\t0\t5\t0\t0\n"
+    (benchmark / "room.map.scen").write_text(f"version 1\n{line}")
+    row = study_rows(parse_spec(scen_study(episodes=1), folder=benchmark), "shortened", [0])
+    assert row["path_length"][0] > 5.0
+    assert row["ratio"][0] == pytest.approx(row["path_length"][0] / (4 + 5 + 2 * 2**0.5), abs=0.2)
+    assert row["ratio"][0] < 1.0  # pulled straight, it is shorter than any on the grid
+
+
+@pytest.mark.parametrize("length", ["8", "4.1"])
+def test_a_published_length_that_is_not_the_shortest_ends_the_study(benchmark, length):
+    text = (benchmark / "room.map.scen").read_text()
+    (benchmark / "room.map.scen").write_text(text.replace("\t4\t0\n", f"\t4\t{length}\n"))
+    spec = parse_spec(scen_study(), folder=benchmark)
+    words = rf"from \[0, 0\] to \[0, 4\] is {length} cells long, but on this map it is 4; wanted"
+    with pytest.raises(BadInputError, match=words):
+        study_rows(spec, "astar", np.arange(4))
+    other_rules = parse_spec(scen_study(search={"corner_cutting": True}), folder=benchmark)
+    assert study_rows(other_rules, "astar", np.arange(4))["ratio"].tolist() == [1.0] * 4
 
 
 def test_a_bad_scenario_file_is_refused_by_the_study(benchmark):

@@ -5,11 +5,14 @@ import pickle
 import jax
 import numpy as np
 import pytest
-from route_ponds import CELL, SHAPE, pond
+from route_ponds import CELL, SHAPE, pond, route_study
 from scipy import ndimage
+from study_fake import study_rows
 
-from usvjax.maps import random_maps
+from usvjax.errors import BadInputError
+from usvjax.maps import random_maps, save_map
 from usvjax.missions.route.scenes import CellTable, ChartSource, ChartTable
+from usvjax.study import parse_spec
 
 JOBS = np.arange(40)
 
@@ -96,3 +99,38 @@ def test_a_source_draws_the_same_in_another_process(name):
     for scenes in (again.draw(7, JOBS[:3]), sent):
         for field in ("blocked", "land", "starts", "goals"):
             np.testing.assert_array_equal(getattr(scenes, field), getattr(drawn, field))
+
+
+# --- a start and a goal of one's own on a map ---------------------------------------------------
+
+GIVEN = {"map": "pond", "start": (200.0, -100.0), "goal": (500.0, 300.0)}
+
+
+def test_a_study_between_given_ends_has_one_query(tmp_path):
+    save_map(pond(), tmp_path / "pond.map")
+    given = {**GIVEN, "source": "grid", "map": "pond.map", "start": [200.0, -100.0]}
+    study = route_study(episodes=1, maps={**given, "goal": [500.0, 300.0]})
+    row = study_rows(parse_spec(study, folder=tmp_path), "astar", np.arange(1))
+    assert row["ratio"].tolist() == [1.0]
+    assert row["path_length"][0] == pytest.approx(50.0 * (2 + 6 * 2**0.5), rel=0.2)
+    with pytest.raises(BadInputError, match="'episodes' must be at most 1, as many different ones"):
+        parse_spec({**study, "episodes": 2}, folder=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"goal": None}, "'start' is given without 'goal'; wanted both or none"),
+        ({"start": None}, "'goal' is given without 'start'"),
+        ({"start": (110.0, -190.0)}, r"'start' \(110, -190\) is not on the map's water"),
+        ({"start": (160.0, -140.0), "inflate": 50.0}, r"'start' \(160, -140\) is not on the map's"),
+        ({"goal": (-1e300, 0.0)}, r"'goal' \(-1e\+300, 0\) is no place in metres"),
+        ({"goal": (float("nan"), 0.0)}, "is no place in metres"),
+        ({"goal": (210.0, -90.0)}, r"'start' .* and 'goal' \[210\.0, -90\.0\] lie in one cell"),
+        ({"ends": "free"}, "'ends' is of what is drawn, but 'start' is given"),
+        ({"min_distance": 5.0}, "'min_distance' is of what is drawn"),
+    ],
+)
+def test_given_ends_that_do_not_serve_are_refused(change, words):
+    with pytest.raises(BadInputError, match=rf"s\.toml: .*{words}"):
+        ChartSource(pond(), ChartTable(**{**GIVEN, **change})).check("s.toml")

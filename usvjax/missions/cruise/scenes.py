@@ -16,6 +16,7 @@ from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
 from usvjax.maps.cells import OnOwnMaps, check_cells, maps_of_jobs
 from usvjax.maps.chart import OnChart, cells_where, inflated, off_shore, on_chart
+from usvjax.maps.ends import check_only_drawn
 from usvjax.maps.stations import check_places, check_stations, draw_stations
 from usvjax.maps.tables import Opened, check_length
 
@@ -56,7 +57,7 @@ class CellTable(OnOwnMaps):
 
     def check(self, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
-        check_cells(self.density, self.cell_size, where)
+        check_cells(self.shape, self.density, self.cell_size, where)
         if min(self.shape) < 3:
             raise BadInputError(
                 f"{where}: 'shape' must be [rows, columns], 3 or more each, "
@@ -136,7 +137,9 @@ class ChartSource(OnChart):
         for name in ("inflate", "shore_distance"):
             check_length(name, getattr(self.table, name), where)
         if self.table.places is not None:
-            self._check_alone(where)
+            names = ("stations", "min_distance", "shore_distance")
+            drawn = {name: getattr(self.table, name) for name in names}
+            check_only_drawn(drawn, "'places'", where)
             check_places(self.table.places, self.water, where)
             return
         check_stations(self._count, self.table.min_distance, where)
@@ -161,14 +164,6 @@ class ChartSource(OnChart):
     @property
     def _count(self) -> int:
         return STATIONS if self.table.stations is None else self.table.stations
-
-    def _check_alone(self, where: str) -> None:
-        """Refuse settings of stations drawn beside `places`."""
-        for name in ("stations", "min_distance", "shore_distance"):
-            if getattr(self.table, name):
-                raise BadInputError(
-                    f"{where}: {name!r} is of stations drawn, but 'places' is given"
-                )
 
 
 Source = CellTable | ChartSource

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.checks import shown
 from usvjax.errors import BadInputError, BadTypeError, saying_where
 from usvjax.maps.tables import read_maps
 from usvjax.mission import (
@@ -91,7 +92,7 @@ class DwaMission:
             "params": asdict(params),
             "static": {k: v for k, v in asdict(static).items() if k != "method"},
         }
-        return Case(in_force, inputs, DwaCase(source, params, static))
+        return Case(in_force, inputs, DwaCase(source, params, static), source.most_jobs)
 
     def pose(self, case: Case, seed: int, jobs: np.ndarray) -> DwaPosed:
         """Draw maps, starts and goals; see `Mission.pose`."""
@@ -165,7 +166,7 @@ def _read_method(
     check_keys(params_table, [*names, "preset"], in_params)
     name = params_table.get("preset", DEFAULT_PRESET)
     if not isinstance(name, str):
-        raise BadTypeError(f"{in_params}: 'preset' must be a string, got {name!r}")
+        raise BadTypeError(f"{in_params}: 'preset' must be a string, got {shown(name)}")
     numbers = {k: v for k, v in params_table.items() if k != "preset"}
     if "method" in static_table:
         raise BadInputError(f"{in_static}: list methods in 'methods', not in 'method'")

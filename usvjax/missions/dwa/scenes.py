@@ -8,7 +8,7 @@ are paired as well.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
+from usvjax.maps.cells import OnOwnMaps
 from usvjax.maps.chart import OnChart, cells_where, off_shore, on_chart
 from usvjax.maps.discs import (
     check_has_area,
@@ -24,10 +25,24 @@ from usvjax.maps.discs import (
     discs_for_share,
     uniform_discs,
 )
-from usvjax.maps.ends import check_fixed_ends, check_outside_goal, draw_pairs, facing, fixed_ends
+from usvjax.maps.ends import (
+    check_both_ends,
+    check_fixed_ends,
+    check_joined,
+    check_on_water,
+    check_only_drawn,
+    check_outside_goal,
+    draw_pairs,
+    facing,
+    fixed_ends,
+    named_points,
+)
 from usvjax.maps.lattice import check_lattice, lattice_obstacles
 from usvjax.maps.tables import Opened, check_share
 from usvjax.missions.dwa.inputs import MOST_REMOTE
+
+DISTANCE = (1000.0, 5000.0)
+"""From a start to a goal drawn on a chart, m, unless a study says otherwise."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +63,7 @@ class DwaScenes:
 
 
 @dataclass(frozen=True)
-class LatticeTable:
+class LatticeTable(OnOwnMaps):
     """Obstacles on the integer points of a square (see `usvjax.maps.lattice`).
 
     Start and goal are never obstacles, and a point whose obstacle circle contains one of them
@@ -96,7 +111,7 @@ class LatticeTable:
 
 
 @dataclass(frozen=True)
-class DiscTable:
+class DiscTable(OnOwnMaps):
     """Obstacle discs with centres uniform in a square; they may overlap.
 
     A disc that contains the start or the goal is left out. Either `number` or `density` is given.
@@ -150,27 +165,38 @@ class DiscTable:
 
 @dataclass(frozen=True)
 class ChartTable:
-    """Starts and goals on one map, both in the same body of water, the bow towards the goal.
+    """A start and a goal on one map, drawn for each job or given, in one body of water.
 
-    A start is uniform over the navigable cells; its goal has a uniform bearing and a uniform
-    distance from it and is then moved to the centre of its cell. Pairs that are ashore, in
-    another body of water or out of the range of distances are drawn again.
+    A start drawn is uniform over the navigable cells, the bow towards the goal; its goal has a
+    uniform bearing and a uniform distance from it and is then moved to the centre of its cell.
+    Pairs that are ashore, in another body of water or out of the range of distances are drawn
+    again. Where both are given, all episodes would be the same: there is one.
 
     Attributes:
         map: a packaged map's name (`usvjax maps list`), or a map file.
         cell_size: edge of a cell, m, above 0; required for a plain image, refused otherwise.
         refine: cells are divided into refine x refine by interpolating the shore; 1 or more.
-        shore_distance: least distance from start and goal to the nearest blocked cell's centre,
-            m; above `params.radius`.
-        distance: least and greatest straight-line distance from start to goal, m; the first above
-            `params.goal_tolerance` and below the second.
+        shore_distance: least distance from a start and goal drawn to the nearest blocked cell's
+            centre, m; above `params.radius`.
+        distance: least and greatest straight-line distance from a start to a goal drawn, m; the
+            first above `params.goal_tolerance` and below the second; [1000.0, 5000.0] when left
+            out.
+        start: x and y where the episode starts, in the map's metres, such as [62000.0, 38000.0]
+            on Hongze Lake; on water, outside every circle of `params.radius` about the shore;
+            with `goal`, for 1 episode.
+        start_heading: heading at the start given, rad; towards the goal when left out.
+        goal: x and y of the goal, in the map's metres, on the same body of water; farther from
+            the start than `params.goal_tolerance`.
     """
 
     map: str
     cell_size: float | None = None
     refine: int = 1
     shore_distance: float = 0.0
-    distance: tuple[float, float] = (1000.0, 5000.0)
+    distance: tuple[float, float] | None = None
+    start: tuple[float, float] | None = None
+    start_heading: float | None = None
+    goal: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -185,6 +211,22 @@ class ChartSource(OnChart):
     chart: GridMap
     table: ChartTable
 
+    @property
+    def ends(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
+        """The start and the goal that are given, m; None where they are drawn."""
+        start, goal = self.table.start, self.table.goal
+        return None if start is None or goal is None else (start, goal)
+
+    @property
+    def distance(self) -> tuple[float, float]:
+        """Least and greatest distance from a start to a goal drawn, m."""
+        return DISTANCE if self.table.distance is None else self.table.distance
+
+    @property
+    def most_jobs(self) -> int | None:
+        """One where start and goal are given; any number can be drawn."""
+        return 1 if self.ends else None
+
     @cached_property
     def bodies(self) -> np.ndarray:
         """int32[H, W]: the number of the body of water, 0 where no episode may start or end."""
@@ -198,17 +240,36 @@ class ChartSource(OnChart):
 
     def check(self, radius: float, where: str) -> None:
         """Raise BadInputError when a value cannot be used with this vessel radius (m)."""
-        near, far = self.table.distance
-        if not 0.0 < near < far < math.inf:
-            raise BadInputError(
-                f"{where}: 'distance' must be two distances in m, the first above 0 and below "
-                f"the second, got {[near, far]!r}"
-            )
         covers = self.cell_size * math.sqrt(0.5)
         if not radius >= covers:
             raise BadInputError(
                 f"{where}: obstacle circles of {radius:g} m leave gaps between blocked cells of "
                 f"{self.cell_size:g} m; the radius must be at least {covers:g} m"
+            )
+        check_both_ends(self.table.start, self.table.goal, where)
+        if self.ends:
+            self._check_given(*self.ends, where)
+        else:
+            self._check_drawn(radius, where)
+
+    def _check_given(
+        self, start: tuple[float, float], goal: tuple[float, float], where: str
+    ) -> None:
+        drawn = {name: getattr(self.table, name) for name in ("shore_distance", "distance")}
+        check_only_drawn(drawn, "'start'", where)
+        check_fixed_ends(start, goal, self.table.start_heading, where)
+        points = named_points(start=start, goal=goal)
+        check_on_water(points, self.chart, where)
+        check_joined(points, self.chart, where)
+
+    def _check_drawn(self, radius: float, where: str) -> None:
+        if self.table.start_heading is not None:
+            raise BadInputError(f"{where}: 'start_heading' goes with 'start', which is not given")
+        near, far = self.distance
+        if not 0.0 < near < far < math.inf:
+            raise BadInputError(
+                f"{where}: 'distance' must be two distances in m, the first above 0 and below "
+                f"the second, got {[near, far]!r}"
             )
         if not radius < self.table.shore_distance < math.inf:
             raise BadInputError(
@@ -223,8 +284,11 @@ class ChartSource(OnChart):
         self.draw(0, np.arange(8), radius)
 
     def check_outside_goal(self, tolerance: float, where: str) -> None:
-        """Raise BadInputError where a start may be drawn that counts as its goal."""
-        near, far = self.table.distance
+        """Raise BadInputError where a start counts as its goal, or one may be drawn that does."""
+        if self.ends:
+            check_outside_goal(*self.ends, tolerance, where)
+            return
+        near, far = self.distance
         if np.float32(near) <= np.float32(tolerance):
             raise BadInputError(
                 f"{where}: 'distance' must begin above 'goal_tolerance' of {tolerance:g} m, or "
@@ -242,8 +306,11 @@ class ChartSource(OnChart):
         Raises:
             BadInputError: no start and goal could be found for a job.
         """
+        if self.ends:
+            starts, goals = fixed_ends(*self.ends, self.table.start_heading, len(jobs))
+            return DwaScenes(self.chart, None, starts, goals)
         words = repr(self.table.map), f"water {self.table.shore_distance:g} m from the shore"
-        where = (self.chart, self.bodies, self.cells, self.table.distance)
+        where = (self.chart, self.bodies, self.cells, self.distance)
         starts, goals = draw_pairs(seed, jobs, *where, *words)
         return DwaScenes(self.chart, None, facing(starts, goals), goals)
 
@@ -257,5 +324,7 @@ def opened(
 ) -> Opened[Source]:
     """What a `[maps]` table asks for, with its map read; see `usvjax.maps.tables.read_maps`."""
     if isinstance(table, ChartTable):
+        if table.start is None and table.distance is None:
+            table = replace(table, distance=DISTANCE)
         return on_chart(table, ChartSource, folder, where)
     return Opened(table, table)

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.errors import BadInputError
+from usvjax.maps.scen import ROUNDING
 from usvjax.maps.tables import read_maps
 from usvjax.mission import (
     Case,
@@ -38,6 +40,7 @@ from usvjax.missions.route.run import (
 from usvjax.missions.route.scenes import (
     CellTable,
     ChartTable,
+    RouteScenes,
     ScenTable,
     opened,
 )
@@ -106,12 +109,11 @@ class RouteMission:
         given: RouteCase = case.given
         scenes = given.source.draw(seed, jobs)
         shortest = find_paths(scenes, replace(given.search, max_expansions=None), "astar")
-        lengths = shortest.cost
         same_rules = given.search.connectivity == 8 and not given.search.corner_cutting
         if scenes.published is not None and same_rules:
-            lengths = scenes.published
+            _check_published(scenes.published, scenes, shortest.cost)
         area = Area(scenes, given.source.cell_size, given.source.origin)
-        return RoutePosed(given, area, shortest, lengths * given.source.cell_size)
+        return RoutePosed(given, area, shortest, shortest.cost * given.source.cell_size)
 
     def run(self, scene: RoutePosed, method: str, record: bool = False) -> Outcome:
         """Find routes; see `Mission.run`."""
@@ -144,6 +146,24 @@ class RouteMission:
 
 
 MISSION = RouteMission()
+
+
+def _check_published(lengths: np.ndarray, scenes: RouteScenes, found: np.ndarray) -> None:
+    """Refuse published lengths of shortest routes, float64[J], cells, that are none; 0 is unknown.
+
+    Raises:
+        BadInputError: a shortest route has another length.
+    """
+    wrong = (lengths > 0.0) & ~(np.abs(lengths - found) <= ROUNDING * found)
+    wrong |= (lengths > 0.0) & np.isinf(found)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        start, goal = scenes.starts[row].tolist(), scenes.goals[row].tolist()
+        raise BadInputError(
+            f"the scenario file says that the shortest route from {start} to {goal} is "
+            f"{lengths[row]:.9g} cells long, but on this map it is {found[row]:.9g}; wanted the "
+            f"same, or 0 where it is not known"
+        )
 
 
 def _routes(scene: RoutePosed, method: str) -> Routes:

@@ -7,7 +7,7 @@ denser one only has more blocked cells.
 """
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -18,9 +18,21 @@ from usvjax.maps import GridMap
 from usvjax.maps.cells import OnOwnMaps, check_cells, maps_of_jobs
 from usvjax.maps.chart import OnChart, inflated, map_digest, on_chart
 from usvjax.maps.disk import read_bytes
-from usvjax.maps.ends import ENDS, check_ends, draw_ends, end_groups
+from usvjax.maps.ends import (
+    ENDS,
+    check_both_ends,
+    check_ends,
+    check_on_water,
+    check_only_drawn,
+    draw_ends,
+    end_groups,
+    named_points,
+)
 from usvjax.maps.scen import Scen, read_scen
 from usvjax.maps.tables import Opened, check_length
+
+ENDS_DRAWN = "harbours"
+"""Where routes on a chart start and end, unless a study says otherwise."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +43,8 @@ class RouteScenes:
         blocked: bool[H, W] shared or bool[J, H, W], what routes keep off.
         land: likewise, what clearance is measured from; the map before it was inflated.
         starts, goals: int32[J, 2], cells (x, y).
-        published: float64[J], published lengths of the shortest routes, cells; or None.
+        published: float64[J], published lengths of the shortest routes, cells, 0 where none was;
+            or None.
     """
 
     blocked: np.ndarray
@@ -62,7 +75,7 @@ class CellTable(OnOwnMaps):
 
     def check(self, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
-        check_cells(self.density, self.cell_size, where)
+        check_cells(self.shape, self.density, self.cell_size, where)
         if min(self.shape) < 1 or max(self.shape) < 2:
             raise BadInputError(
                 f"{where}: 'shape' must be [rows, columns] with two cells at least, "
@@ -86,24 +99,32 @@ class CellTable(OnOwnMaps):
 
 @dataclass(frozen=True)
 class ChartTable:
-    """Routes on one map, from a random cell to another.
+    """Routes on one map, between two cells that are drawn for each job or given.
+
+    Where both are given, all queries would be the same: there is one episode.
 
     Attributes:
         map: a packaged map's name (`usvjax maps list`), or a map file.
         cell_size: edge of a cell, m, above 0; required for a plain image, refused otherwise.
         refine: cells are divided into refine x refine by interpolating the shore; 1 or more.
         inflate: routes keep off cells whose centre is this near to a blocked one's, m; 0 or more.
-        ends: "harbours" (cells at the shore of the largest body of water), "connected" (any two
-            cells of one body of water) or "free" (any two free cells).
-        min_distance: least straight-line distance from start to goal, m; 0 or more.
+        ends: where start and goal are drawn: "harbours" (cells at the shore of the largest body
+            of water; when left out), "connected" (any two cells of one body of water) or "free"
+            (any two free cells).
+        min_distance: least straight-line distance from start to goal drawn, m; 0 or more.
+        start: x and y where the route starts, in the map's metres, such as [62000.0, 38000.0] on
+            Hongze Lake; on water that `inflate` leaves; with `goal`, for 1 episode.
+        goal: x and y where it ends, likewise, in another cell.
     """
 
     map: str
     cell_size: float | None = None
     refine: int = 1
     inflate: float = 0.0
-    ends: str = "harbours"
+    ends: str | None = None
     min_distance: float = 0.0
+    start: tuple[float, float] | None = None
+    goal: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -126,13 +147,46 @@ class ChartSource(OnChart):
     @cached_property
     def groups(self) -> np.ndarray:
         """int32[1, H, W]: 0 where no route ends; cells of one number may be joined."""
-        return end_groups(self.water.blocked[None], self.table.ends)
+        return end_groups(self.water.blocked[None], self.ends)
+
+    @property
+    def ends(self) -> str:
+        """Where start and goal are drawn."""
+        return ENDS_DRAWN if self.table.ends is None else self.table.ends
+
+    @property
+    def most_jobs(self) -> int | None:
+        """One where start and goal are given; any number can be drawn."""
+        return None if self._given is None else 1
+
+    @property
+    def _given(self) -> np.ndarray | None:
+        """Cells of the start and the goal that are given, int32[2, 2]; None where they are not."""
+        start, goal = self.table.start, self.table.goal
+        if start is None or goal is None:
+            return None
+        return self.chart.cells_of([start, goal]).astype(np.int32)
 
     def check(self, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
-        check_ends(self.table.ends, ENDS, self.table.min_distance, where)
         check_length("inflate", self.table.inflate, where)
+        check_both_ends(self.table.start, self.table.goal, where)
+        if self.table.start is not None and self.table.goal is not None:
+            self._check_given(self.table.start, self.table.goal, where)
+            return
+        check_ends(self.ends, ENDS, self.table.min_distance, where)
         self.draw(0, np.arange(8))
+
+    def _check_given(
+        self, start: tuple[float, float], goal: tuple[float, float], where: str
+    ) -> None:
+        drawn = {"ends": self.table.ends, "min_distance": self.table.min_distance}
+        check_only_drawn(drawn, "'start'", where)
+        check_on_water(named_points(start=start, goal=goal), self.water, where)
+        if (self.chart.cells_of(start) == self.chart.cells_of(goal)).all():
+            raise BadInputError(
+                f"{where}: 'start' {list(start)!r} and 'goal' {list(goal)!r} lie in one cell"
+            )
 
     def draw(self, seed: int, jobs: np.ndarray) -> RouteScenes:
         """Return the queries of int64[J] jobs.
@@ -140,8 +194,11 @@ class ChartSource(OnChart):
         Raises:
             BadInputError: a job has no two cells that serve.
         """
-        least = self.table.min_distance / self.cell_size
-        starts, goals = draw_ends(seed, jobs, self.groups, least, repr(self.table.map))
+        if self._given is not None:
+            starts, goals = (np.repeat(cell[None], len(jobs), axis=0) for cell in self._given)
+        else:
+            least = self.table.min_distance / self.cell_size
+            starts, goals = draw_ends(seed, jobs, self.groups, least, repr(self.table.map))
         return RouteScenes(self.water.blocked, self.chart.blocked, starts, goals)
 
 
@@ -153,7 +210,8 @@ class ScenTable:
     shortest; job j of a study is the j-th of a random order of all lines instead.
 
     Attributes:
-        scen: the scenario file.
+        scen: the scenario file. The lengths that it gives are checked: a study ends where ours
+            differs under the same rules; 0 between two cells says that it is not known.
         map: the map file; the one that the scenario file names, beside it, when left out.
         cell_size: edge of a cell, m; above 0.
     """
@@ -183,8 +241,7 @@ class ScenSource(OnChart):
         return len(self.scen)
 
     def check(self, where: str) -> None:
-        """Raise BadInputError when a query starts or ends off the map or on a blocked cell."""
-        self.scen.check(where)
+        """Nothing is left to check: the file was when it was read."""
 
     def draw(self, seed: int, jobs: np.ndarray) -> RouteScenes:
         """Return the queries of int64[J] jobs."""
@@ -202,6 +259,8 @@ def opened(table: CellTable | ChartTable | ScenTable, folder: Path, where: str) 
     if isinstance(table, CellTable):
         return Opened(table, table)
     if isinstance(table, ChartTable):
+        if table.start is None and table.ends is None:
+            table = replace(table, ends=ENDS_DRAWN)
         return on_chart(table, ChartSource, folder, where)
     with saying_where(where):
         scen = read_scen(table.scen, table.map, table.cell_size, folder, where)
