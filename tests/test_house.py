@@ -17,7 +17,7 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 """Names that the public contract reserves."""
 
 FLOORS = (
-    ("devices", "errors", "suggest", "exports", "version"),
+    ("devices", "errors", "suggest", "exports", "version", "sheets"),
     ("checks", "statistics", "batches", "programs", "tables"),
     ("keys", "memory", "sections"),
     ("maps",),

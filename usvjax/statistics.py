@@ -56,7 +56,8 @@ class PairedDifference:
     Attributes:
         n: how many episodes.
         mean: mean difference with its t interval.
-        relative: mean difference as a share of the baseline's mean.
+        relative: mean difference as a share of the baseline's mean; None where that is 0, or a
+            value is negative: a ratio says nothing of what has a sign.
         p_t: of the paired t-test.
         p_wilcoxon: of Wilcoxon's signed-rank test.
     """
@@ -162,7 +163,8 @@ def paired_difference(method: np.ndarray, baseline: np.ndarray, level: float) ->
         return PairedDifference(n, Estimate(None), None, None, None)
     difference = a - b
     mean = float(difference.mean())
-    relative = mean / float(b.mean()) if b.mean() != 0.0 else None
+    has_ratio = min(a.min(), b.min()) >= 0.0 and b.mean() > 0.0
+    relative = mean / float(b.mean()) if has_ratio else None
     if n < 2 or difference.max() == difference.min():
         return PairedDifference(n, Estimate(mean), relative, None, None)
     test = stats.ttest_rel(a, b)
