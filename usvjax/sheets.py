@@ -13,8 +13,8 @@ from rich.cells import cell_len
 
 _NOT_SHOWN = ("Cc", "Cs", "Zl", "Zp")  # control characters, half characters, breaks of lines
 _TURNING = set("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-_READABLE = 16
-"""Columns that words get in a table, if they need so many; with less, blocks read better."""
+_SHAPES = ((False, 2, 16), (False, 1, 16), (True, 2, 16), (True, 1, 16), (True, 1, 0))
+"""Shapes to try in turn: whether headed, the gap between columns, and what words get at least."""
 
 
 @dataclass(frozen=True)
@@ -91,16 +91,15 @@ def _laid_out(sheet: Sheet, width: int | None) -> list[str]:
     rows = [[escaped(cell) for cell in row] for row in sheet.rows]
     sheet = replace(sheet, header=[escaped(name) for name in sheet.header], rows=rows)
     lines = folded(escaped(sheet.title), width) if sheet.title else []
-    for headed in (False, True):
+    for headed, gap, readable in _SHAPES:
         if headed or not sheet.headed:
-            for gap in (2, 1):
-                table = _table(replace(sheet, headed=headed), width, gap)
-                if table is not None:
-                    return [*lines, *table]
+            table = _table(replace(sheet, headed=headed), width, gap, readable)
+            if table is not None:
+                return [*lines, *table]
     return [*lines, *_blocks(sheet, width)]
 
 
-def _table(sheet: Sheet, width: int | None, gap: int) -> list[str] | None:
+def _table(sheet: Sheet, width: int | None, gap: int, readable: int) -> list[str] | None:
     """Rows below one another; None where they do not fit."""
     first = 1 if sheet.headed else 0
     header = list(sheet.header[first:])
@@ -108,7 +107,7 @@ def _table(sheet: Sheet, width: int | None, gap: int) -> list[str] | None:
     words = sheet.words - first
     if not any(rows):
         return None
-    widths = _widths(header, rows, words, None if width is None else width, gap)
+    widths = _widths(header, rows, words, width, gap, readable)
     if widths is None:
         return None
     lines = []
@@ -138,9 +137,15 @@ def _headings(sheet: Sheet) -> Iterator[str]:
 
 
 def _widths(
-    header: Sequence[str], rows: Sequence[Sequence[str]], words: int, width: int | None, gap: int
+    header: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    words: int,
+    width: int | None,
+    gap: int,
+    readable: int,
 ) -> list[int] | None:
     """Width of every column; None where they do not fit."""
+    grouped = any(not row[0] for row in rows)
     widest, least = [], []
     for place, cells in enumerate(zip(*([header] if header else []), *rows, strict=True)):
         full = max(map(cell_len, cells))
@@ -148,7 +153,8 @@ def _widths(
         broken = max((cell_len(word) for word in name.split()), default=0)
         if place < words:
             longest = max((cell_len(w) for cell in body for w in cell.split()), default=0)
-            broken = max(broken, longest, min(full, _READABLE))
+            # Wrapped, a name of several rows would run into the second of them.
+            broken = max(broken, longest, full if grouped and place == 0 else min(full, readable))
         else:
             broken = max(broken, *map(cell_len, body))
         widest.append(full)
