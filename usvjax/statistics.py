@@ -269,21 +269,18 @@ def _bootstrap(data: np.ndarray, level: float, seed: Sequence[int]) -> np.ndarra
 def _resampled(data: np.ndarray, resamples: int, rng: np.random.Generator) -> np.ndarray:
     """Mean, median and interquartile mean of resamples, float[resamples, 3, M]."""
     n = len(data)
-    counts = np.stack(
-        [
-            np.bincount(rng.integers(0, n, size=n, dtype=np.int32), minlength=n)
-            for _ in range(resamples)
-        ]
-    )
+    drawn = rng.integers(0, n, size=(resamples, n), dtype=np.int32)
+    drawn += np.arange(resamples, dtype=np.int32)[:, None] * n
+    counts = np.bincount(drawn.ravel(), minlength=resamples * n).reshape(resamples, n)
     upto = counts.cumsum(axis=1)
     cut = int(_TRIM * n)
     kept = np.diff(upto.clip(cut, n - cut), axis=1, prepend=cut)
-    middle = [[np.searchsorted(row, k) for k in ((n - 1) // 2 + 1, n // 2 + 1)] for row in upto]
+    middle = [(upto < k).sum(axis=1) for k in ((n - 1) // 2 + 1, n // 2 + 1)]
     # einsum, unlike a BLAS product, adds in one fixed order: the same bits on every run.
     return np.stack(
         [
             np.einsum("rn,nm->rm", counts.astype(np.float64), data) / n,
-            data[np.asarray(middle)].mean(axis=1),
+            data[np.stack(middle, axis=1)].mean(axis=1),
             np.einsum("rn,nm->rm", kept.astype(np.float64), data) / (n - 2 * cut),
         ],
         axis=1,

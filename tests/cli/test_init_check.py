@@ -115,10 +115,10 @@ def test_a_field_without_a_meaning_is_a_defect():
         named: int = 1
         bare: int = 2
 
-    from usvjax.study.template import _meanings
+    from usvjax.study.template import meanings_of
 
     with pytest.raises(Exception, match="nothing of 'bare'"):
-        _meanings(Bare)
+        meanings_of(Bare)
 
 
 def test_check_says_how_much_and_how_long(tmp_path, capsys):

@@ -6,7 +6,7 @@ from typing import Any
 from usvjax.sheets import Sheet
 
 MOST_CONDITIONS = 12
-"""Conditions that a reader can take in; of more, a terminal shows the ends of their ranking."""
+"""Conditions that a terminal shows one by one; of more, it shows the ends of their ranking."""
 FEW = 3
 """So many conditions of either end."""
 
