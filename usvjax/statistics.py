@@ -182,7 +182,7 @@ def paired_difference(method: np.ndarray, baseline: np.ndarray, level: float) ->
 
 
 def _wilcoxon(difference: np.ndarray) -> float:
-    """p of the signed-rank test, exact where there are few differences.
+    """P of the signed-rank test, exact where there are few differences.
 
     With ties or zeros among these, scipy calls its statistic once for each pattern of signs, half
     a second in all; the sums of ranks of all patterns are the same numbers at once.

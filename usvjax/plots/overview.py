@@ -237,9 +237,7 @@ def _heat(
             one = values[condition]
             place = scales[up].index(one[up]), scales[across].index(one[across])
             squares[place] = rates.percent[row, index]
-        image = ax.imshow(
-            squares, origin="lower", aspect="auto", cmap=_MAP, vmin=0.0, vmax=100.0
-        )
+        image = ax.imshow(squares, origin="lower", aspect="auto", cmap=_MAP, vmin=0.0, vmax=100.0)
         if squares.size * wide <= _MOST_WRITTEN:
             for (y, x), value in np.ndenumerate(squares):
                 colour = style.BLACK if value > 55 else "#FFFFFF"
@@ -268,7 +266,9 @@ def _ranked(rates: _Rates, labels: Mapping[int, str], level: float) -> Figure:
     fig = style.new_figure(style.DOUBLE_MM, 165)
     above, below = fig.subplots(2, 1, height_ratios=(1.0, 1.3))
     rank = np.arange(1, len(order) + 1)
-    named = np.unique([*range(min(ENDS, len(order))), *range(max(len(order) - ENDS, 0), len(order))])
+    named = np.unique(
+        [*range(min(ENDS, len(order))), *range(max(len(order) - ENDS, 0), len(order))]
+    )
     looks = style.method_looks(rates.methods)
     for index, look in enumerate(looks.values()):
         above.plot(

@@ -188,9 +188,7 @@ def _count(values: int, infinite: int) -> dict[str, int]:
     return {"n": values - infinite, **({"infinite": infinite} if infinite else {})}
 
 
-def _difference(
-    a: np.ndarray, b: np.ndarray, level: float, points: float | None
-) -> dict[str, Any]:
+def _difference(a: np.ndarray, b: np.ndarray, level: float, points: float | None) -> dict[str, Any]:
     """The mean difference; of a share, in percentage points too, `points` to one of its units."""
     found = paired_difference(a, b, level)
     gap = found.mean.value
