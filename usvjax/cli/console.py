@@ -36,7 +36,7 @@ codecs.register_error(_HANDLER, _plain)
 
 
 def use_any_encoding() -> None:
-    """Let stdout and stderr print any text, whatever their encoding: at worst a "?" for a letter."""
+    """Let stdout and stderr print any text whatever their encoding, at worst a "?" for a letter."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_HANDLER)

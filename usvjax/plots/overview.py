@@ -266,9 +266,9 @@ def _ranked(rates: _Rates, labels: Mapping[int, str], level: float) -> Figure:
     fig = style.new_figure(style.DOUBLE_MM, 165)
     above, below = fig.subplots(2, 1, height_ratios=(1.0, 1.3))
     rank = np.arange(1, len(order) + 1)
-    named = np.unique(
-        [*range(min(ENDS, len(order))), *range(max(len(order) - ENDS, 0), len(order))]
-    )
+    named = [*range(len(order))]
+    if len(order) > 2 * ENDS:
+        named = named[:ENDS] + named[-ENDS:]
     looks = style.method_looks(rates.methods)
     for index, look in enumerate(looks.values()):
         above.plot(
