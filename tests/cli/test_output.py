@@ -12,7 +12,7 @@ import pytest
 import study_fake  # noqa: F401 - registers the kind "toy"
 
 from usvjax.cli import COMMANDS, main
-from usvjax.cli.console import Meter, show_line, use_any_encoding
+from usvjax.cli.console import Meter, console, show_line, use_any_encoding
 from usvjax.maps import GridMap, save_map
 
 FUZZ = bool(os.environ.get("USVJAX_FUZZ"))
@@ -133,10 +133,11 @@ def test_a_path_is_printed_as_it_is_called(name, monkeypatch):
     stream = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
     monkeypatch.setattr(sys, "stdout", stream)
     show_line(f"wrote {Path(name)}")
+    console().print("[bold]é :smile:")
     stream.flush()
     shown = stream.buffer.getvalue().decode()
     plain = name.replace("\x1b", "\\x1b").replace("\n", "\\n").replace("\udcff", "\\udcff")
-    assert shown == f"wrote {plain}\n"
+    assert shown == f"wrote {plain}\n[bold]é :smile:\n"
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
@@ -157,7 +158,7 @@ def test_letters_that_an_encoding_lacks_are_replaced(monkeypatch):
     assert stream.buffer.getvalue() == b"? ? #'. - ...\n"
 
 
-@pytest.mark.parametrize("columns", ["20", "40", "120"])
+@pytest.mark.parametrize("columns", ["20", "40", "80", "100", "120", "140", "200"])
 @pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
 def test_a_bar_shows_whole_numbers_on_a_terminal(encoding, columns, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
@@ -172,6 +173,7 @@ def test_a_bar_shows_whole_numbers_on_a_terminal(encoding, columns, monkeypatch)
     stream.flush()
     shown = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", stream.buffer.getvalue().decode(encoding))
     assert "48,000/48,000 eps." in shown
+    assert ("a_study_of_[/q]_with_a_name" in shown) is (int(columns) >= 120)
     assert "\u2026" not in shown
     assert "..." not in shown
 

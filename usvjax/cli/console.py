@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterable
 
+from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn
 from rich.progress import TimeElapsedColumn as Elapsed
@@ -15,9 +16,8 @@ from rich.text import Text
 
 from usvjax.sheets import Sheet, escaped, text_of
 
-WIDE = 80
-"""Columns that a whole bar needs; on narrower terminals only its numbers are shown."""
-
+_BAR, _AROUND = 16, 50
+"""Columns of a bar, and of the speed and the times around it."""
 _EVERY = 30.0  # s, between lines of progress where there is no terminal
 _PLAIN = {"\u2500": "-", "\u2501": "-", "\u2588": "#", "\u2584": ".", "\u2580": "'"}
 _PLAIN |= {"\u2026": "...", "\u2018": "'", "\u2019": "'", "\u2022": "*", "\u00a0": " "}
@@ -129,11 +129,12 @@ class Meter:
         )
 
     def _columns(self) -> Iterable[ProgressColumn]:
-        if self._console.width < WIDE:
+        count = 2 * len(f"{self._total:,.0f}") + len(self._what)
+        if self._console.width < cell_len(self._name) + _BAR + count + _AROUND:
             return (_Count(self._what, speed=False),)
         return (
             TextColumn("{task.description}", markup=False),
-            BarColumn(bar_width=16),
+            BarColumn(bar_width=_BAR),
             _Count(self._what, speed=True),
             Remaining(),
             TextColumn("left,"),
