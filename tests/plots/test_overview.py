@@ -92,6 +92,17 @@ def test_conditions_that_are_not_crossed_are_ranked():
     assert len(fig.axes[0].lines[0].get_ydata()) == 15
 
 
+def test_dollar_signs_of_a_user_are_no_formula(tmp_path):
+    labels = {0: "$x^$", 1: "cost $5, $6", 2: "_{"}
+    fig = drawn({"a.b": ["$x^$", "cost $5, $6", "$_{$"]}, labels=labels, title="$\\nothing$")
+    names = [tick.get_text() for tick in fig.axes[0].get_xticklabels()]
+    assert names == ["$x^$", "cost $5, $6", "$_{$"]
+    assert fig.get_suptitle().startswith("$\\nothing$")
+    plots.save(fig, tmp_path / "a.png", dpi=40)
+    table, _ = study({"a.b": [1, 2, 3]})
+    plots.save(plots.plot_success(table, labels=labels, title="$^$"), tmp_path / "b.png", dpi=40)
+
+
 def test_an_empty_table_is_refused():
     table, varied = study({"a.b": [1, 2]})
     with pytest.raises(BadInputError, match="table is empty"):

@@ -53,6 +53,12 @@ def test_of_many_wide_intervals_a_few_are_named(many):
     assert len(note) < 400
 
 
+def test_a_label_of_several_lines_is_one_cell_of_markdown(many):
+    first = many["conditions"][0] | {"label": "a | b\nc"}
+    text = markdown(many | {"conditions": [first, *many["conditions"][1:]]})
+    assert "| a \\| b\\nc | plain |" in text
+
+
 class Shares(ToyMission):
     """Times as a share from 0 to 1 and in per cent, as a quantity, and with a sign."""
 

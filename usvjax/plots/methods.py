@@ -115,6 +115,8 @@ def plot_methods(
             filled = [(x, values) for x, values in samples if len(values)]
             draw_boxes(ax, filled, 0.68 / len(methods), _fill(looks[method]))
         ax.set(ylabel=words, yscale="log" if logarithmic else "linear")
+        if logarithmic:
+            style.plain_powers(ax.yaxis)
     _draw_shares(axes[0], table, compared.success, places, looks, confidence)
     alone = len(conditions) == 1
     ticks, how = style.tick_names(list(methods) if alone else names, room=60)

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from usvjax.sheets import Sheet
+from usvjax.sheets import Sheet, escaped
 
 MOST_CONDITIONS = 12
 """Conditions that a terminal shows one by one; of more, it shows the ends of their ranking."""
@@ -387,5 +387,5 @@ def _notes(summary: dict[str, Any]) -> list[str]:
 def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
     lines = [header, ["---"] * len(header), *rows]
     return "\n".join(
-        "| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in lines
+        "| " + " | ".join(escaped(cell).replace("|", r"\|") for cell in row) + " |" for row in lines
     )
