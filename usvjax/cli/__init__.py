@@ -9,6 +9,7 @@ import importlib
 import io
 import os
 import re
+import shutil
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from usvjax.suggest import did_you_mean
 
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
+_LEAST_COLUMNS = 40
 
 
 @dataclass(frozen=True)
@@ -182,12 +184,25 @@ def usage_in_one_line(prog: str) -> Iterator[None]:
 
     said = io.StringIO()
     try:
-        with contextlib.redirect_stderr(said):
+        with contextlib.redirect_stderr(said), _at_least_columns(_LEAST_COLUMNS):
             yield
     except SystemExit as stop:
         if stop.code != EXIT_USAGE:
             raise
         raise BadInputError(f"{_in_one_line(said.getvalue())} (see {prog} --help)") from None
+
+
+@contextlib.contextmanager
+def _at_least_columns(least: int) -> Iterator[None]:
+    """Let tyro take a terminal for no narrower than this: it wraps by letters, or without end."""
+    kept = os.environ.get("COLUMNS")
+    os.environ["COLUMNS"] = str(max(shutil.get_terminal_size().columns, least))
+    try:
+        yield
+    finally:
+        del os.environ["COLUMNS"]
+        if kept is not None:
+            os.environ["COLUMNS"] = kept
 
 
 def _deferred(function: Callable[..., Any]) -> Callable[..., Callable[[], Any]]:
