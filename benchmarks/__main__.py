@@ -7,6 +7,7 @@ from pathlib import Path
 
 from benchmarks import record
 from benchmarks.processes import FreshProcess, ProcessFailedError
+from usvjax.cli.console import use_any_encoding
 
 NAMES = (
     "dwa_peers",
@@ -38,6 +39,7 @@ ORDER = (*NAMES, "against")
 
 def main() -> int:
     """Run what was asked for, each in a fresh process, and write down what came out."""
+    use_any_encoding()
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of: {', '.join(NAMES)}")
     parser.add_argument("--quick", action="store_true", help="tiny sizes; only prints the result")

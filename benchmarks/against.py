@@ -55,7 +55,7 @@ class Checkout:
     def _start(self) -> None:
         with tempfile.TemporaryDirectory() as name:
             file = Path(name) / "small.toml"
-            file.write_text(_STUDY)
+            file.write_text(_STUDY, encoding="utf-8")
             command = ["study", str(file), "--out", name, "--quiet", "--no-figures", "--json"]
             subprocess.run(
                 [sys.executable, "-c", _MAIN, *command],

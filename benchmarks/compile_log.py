@@ -54,7 +54,7 @@ def _main() -> int:
     from usvjax.cli import main
 
     code = main(sys.argv[2:])
-    Path(sys.argv[1]).write_text(json.dumps(log.spent()))
+    Path(sys.argv[1]).write_text(json.dumps(log.spent()), encoding="utf-8")
     return code
 
 

@@ -87,18 +87,18 @@ def _study(cache: Path) -> dict[str, float]:
     """Run the shipped study with few episodes as a command; seconds are of the whole process."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = (STUDIES / "tan2022.toml").read_text()
+        text = (STUDIES / "tan2022.toml").read_text(encoding="utf-8")
         for key, value in (("episodes", 64), ("shard", 32)):
             text, found = re.subn(rf"^{key} = .*$", f"{key} = {value}", text, flags=re.M)
             assert found == 1
-        (folder / "tiny.toml").write_text(text)
+        (folder / "tiny.toml").write_text(text, encoding="utf-8")
         log = folder / "log.json"
         command = [sys.executable, "-m", "benchmarks.compile_log", str(log)]
         command += ["study", str(folder / "tiny.toml"), "--out", name, "--quiet"]
         variables = environment({"XDG_CACHE_HOME": str(cache)})
         run = partial(subprocess.run, command, stdout=subprocess.DEVNULL, env=variables, check=True)
         seconds = seconds_of(run)
-        return {**json.loads(log.read_text()), "first_call": seconds}
+        return {**json.loads(log.read_text(encoding="utf-8")), "first_call": seconds}
 
 
 def report(found: dict[str, Any]) -> str:

@@ -54,15 +54,17 @@ def write(result: dict[str, Any], order: tuple[str, ...], folder: Path = HERE) -
     """
     page = folder / "RESULTS.md"
     header = f"{_INTRODUCTION}\n\n{machine()}\n"
-    old = page.read_text() if page.exists() else ""
+    old = page.read_text(encoding="utf-8") if page.exists() else ""
     sections = _sections(old) if old.startswith(header) else {}
     sections[result["name"]] = result["section"]
     kept = [sections[name] for name in order if name in sections]
     raw = {"machine": machine().splitlines(), **result}
     del raw["section"]
     (folder / "results").mkdir(parents=True, exist_ok=True)
-    (folder / "results" / f"{result['name']}.json").write_text(json.dumps(raw, indent=1) + "\n")
-    page.write_text("\n".join([header, *kept]))
+    (folder / "results" / f"{result['name']}.json").write_text(
+        json.dumps(raw, indent=1) + "\n", encoding="utf-8"
+    )
+    page.write_text("\n".join([header, *kept]), encoding="utf-8")
     return page
 
 
@@ -110,7 +112,7 @@ def _system() -> str:
 def _processor() -> str:
     """The processor's model, family and model number included where the name says little."""
     try:
-        lines = Path("/proc/cpuinfo").read_text().partition("\n\n")[0].splitlines()
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").partition("\n\n")[0].splitlines()
         facts = {k.strip(): v.strip() for k, _, v in (line.partition(":") for line in lines)}
         numbers = f"family {facts['cpu family']} model {facts['model']}"
         widest = "AVX-512" if "avx512f" in facts["flags"] else "no AVX-512"

@@ -28,7 +28,11 @@ def measure(quick: bool) -> dict[str, Any]:
 def _movingai(quick: bool) -> dict[str, Any]:
     found = {}
     for file in sorted(MOVINGAI.glob("*/*.scen")):
-        lines = [line.split() for line in file.read_text().splitlines()[1:] if line.strip()]
+        lines = [
+            line.split()
+            for line in file.read_text(encoding="utf-8").splitlines()[1:]
+            if line.strip()
+        ]
         lines = lines[:: max(1, len(lines) // 100)] if quick else lines
         cells = np.array([[int(word) for word in line[4:8]] for line in lines])
         optimum = np.array([float(line[8]) for line in lines])

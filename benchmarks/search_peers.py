@@ -67,7 +67,10 @@ def random_queries(side: int, density: float, n: int, ends: str) -> Queries:
 
 def scenarios(file: Path, n: int) -> Queries:
     """One shared map, and queries of its scenario file drawn at random."""
-    lines = [line.split() for line in file.with_suffix(".map.scen").read_text().splitlines()[1:]]
+    lines = [
+        line.split()
+        for line in file.with_suffix(".map.scen").read_text(encoding="utf-8").splitlines()[1:]
+    ]
     cells = np.array([[int(word) for word in line[4:8]] for line in lines])
     cells = cells[np.random.default_rng(1).permutation(len(cells))[:n]]
     return load_map(file).blocked[None], cells[:, :2], cells[:, 2:]

@@ -47,7 +47,7 @@ def measure(quick: bool) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         study = folder / "study.toml"
-        study.write_text(STUDY.format(episodes=SHARD * shards, shard=SHARD))
+        study.write_text(STUDY.format(episodes=SHARD * shards, shard=SHARD), encoding="utf-8")
         uninterrupted = seconds_of(partial(_finish, study, folder / "whole"))
         kept = [_kill(study, folder / "killed", rng, shards // kills) for _ in range(kills)]
         resumed = seconds_of(partial(_finish, study, folder / "killed"))

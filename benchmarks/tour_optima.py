@@ -60,7 +60,7 @@ def reference(points: np.ndarray) -> tuple[float, str]:
 
 def rounded(name: str) -> np.ndarray:
     """Distances of an instance of TSPLIB, EUC_2D: to the nearest whole number."""
-    lines = (TSPLIB / f"{name}.tsp").read_text().splitlines()
+    lines = (TSPLIB / f"{name}.tsp").read_text(encoding="utf-8").splitlines()
     first = lines.index("NODE_COORD_SECTION") + 1
     rows = [line.split()[1:] for line in lines[first:] if len(line.split()) == 3]
     points = np.array(rows, float)

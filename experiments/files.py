@@ -6,9 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
+from usvjax.cli.console import Meter
 from usvjax.errors import BadInputError
 from usvjax.plots.style import write_atomically
 
@@ -38,7 +36,7 @@ def results_folder(paper: str, out: Path | None, quick: bool) -> Path:
             f"empty folder, or earlier results of {paper}; name one with --out"
         )
     probe = folder / ".writable"
-    write_atomically(probe, lambda path: path.write_text(""))
+    write_atomically(probe, lambda path: path.write_text("", encoding="utf-8"))
     probe.unlink()
     return folder
 
@@ -64,15 +62,12 @@ def _may_be_replaced(folder: Path, paper: str) -> bool:
 @contextmanager
 def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
     """Show a bar on stderr; yields what to call with how many were done since the last time."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(what, total=total)
-        yield lambda done: bar.advance(task, done)
+    meter = Meter(what, "done")
+    meter.begin(0, total)
+    try:
+        yield meter.advance
+    finally:
+        meter.end(whole=False)
 
 
 def write_text(file: Path, text: str) -> Path:

@@ -1,16 +1,15 @@
 """What the program of every paper does before its experiments and after them."""
 
-import sys
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 import tyro
-from rich.console import Console
 
 from experiments.files import results_folder, write_json, write_text
 from experiments.verdicts import Verdict, console_table
 from usvjax.cli import usage_in_one_line
+from usvjax.cli.console import complain, show, show_line, use_any_encoding
 from usvjax.errors import BadInputError, BadTypeError
 
 
@@ -49,6 +48,7 @@ def begin(
     Returns:
         Options, plan and folder; None, after one line on stderr, for a user's mistake.
     """
+    use_any_encoding()
     prog = f"usvjax reproduce {paper}"
     try:
         with usage_in_one_line(prog):
@@ -56,7 +56,7 @@ def begin(
         plan = plan_of(options)
         return options, plan, results_folder(paper, options.out, _is_a_look(options))
     except (BadInputError, BadTypeError) as error:
-        print(f"{paper}: {error}", file=sys.stderr)
+        complain(f"{paper}: {error}")
         return None
 
 
@@ -89,8 +89,6 @@ def conclude(
         write_json(folder / "results.json", found),
         *figures(folder / "figures"),
     ]
-    console = Console(highlight=False)
-    console.print(console_table(*verdicts))
-    console.print(done)
+    show(console_table(*verdicts), done)
     for file in files:
-        console.print(f"Written  {file}", soft_wrap=True, markup=False)
+        show_line(f"Written  {file}")

@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rich.table import Table
-
 from experiments.markdown import grid
+from usvjax.sheets import Sheet
 
 UNKNOWN = "too few maps"
 
@@ -79,9 +78,7 @@ def _cell(finding: Mapping[str, Any] | None) -> str:
     return f"{word}: {finding['numbers']}"
 
 
-def console_table(paper: str, verdicts: Sequence[Verdict]) -> Table:
+def console_table(paper: str, verdicts: Sequence[Verdict]) -> Sheet:
     """Lay verdicts out for a terminal."""
-    table = Table(f"{paper} says", "verdict", title="What reproduces", title_justify="left")
-    for row in verdicts:
-        table.add_row(row.claim, row.verdict)
-    return table
+    rows = [(row.claim, row.verdict) for row in verdicts]
+    return Sheet("What reproduces", (f"{paper} says", "verdict"), rows, words=2)

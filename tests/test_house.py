@@ -18,7 +18,7 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 
 FLOORS = (
     ("errors", "suggest", "exports", "version", "ambient"),
-    ("devices", "checks", "statistics"),
+    ("devices", "checks", "statistics", "sheets"),
     ("batches", "programs", "public"),
     ("keys", "memory", "tables"),
     ("sections",),
@@ -124,6 +124,40 @@ def test_kernels_know_nothing_of_usvjax():
     for name, others in GRAPH.items():
         if name.startswith("usvkernels"):
             assert not any(other.startswith("usvjax") for other in others), name
+
+
+def test_text_files_have_an_encoding():
+    """Without one they have the locale's, and a study is not read as it was written."""
+    bare = []
+    for folder in ("usvjax", "kernels", "experiments", "benchmarks"):
+        for file in (ROOT / folder).rglob("*.py"):
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and _opens_text(node):
+                    bare.append((str(file.relative_to(ROOT)), node.lineno))
+    assert not bare
+
+
+def _opens_text(node):
+    """Whether a call opens a text file and names no encoding."""
+    name = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
+    if name in ("read_text", "write_text"):
+        # Ours of the same name take the file as well.
+        return len(node.args) <= (name == "write_text") and not _has_encoding(node)
+    if isinstance(node.func, ast.Name) and name == "open":
+        mode = node.args[1].value if len(node.args) > 1 else "r"
+        return "b" not in mode and not _has_encoding(node)
+    return False
+
+
+def _has_encoding(node):
+    return any(keyword.arg == "encoding" for keyword in node.keywords)
+
+
+def test_only_the_console_prints_by_rich():
+    """What prints elsewhere may read markup in a user's words, or cut them."""
+    for name, file in MODULES.items():
+        if name not in ("usvjax.cli.console", "usvjax.cli.maps", "usvjax.sheets"):
+            assert "rich" not in re.findall(r"^from (\w+)", file.read_text(), re.MULTILINE), name
 
 
 def test_no_module_hides_a_public_name():

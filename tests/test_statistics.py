@@ -168,6 +168,32 @@ def test_a_baseline_of_zero_has_no_relative_change():
     assert paired_difference(np.asarray([1.0, 2.0]), np.zeros(2), 0.95).relative is None
 
 
+@pytest.mark.parametrize(
+    ("method", "baseline"),
+    [([1.0, 2.0], [-3.0, -4.0]), ([-1.0, 2.0], [3.0, 4.0]), ([1.0, 3.0], [-0.1, 9.0])],
+)
+def test_what_has_a_sign_has_no_relative_change(method, baseline):
+    found = paired_difference(np.asarray(method), np.asarray(baseline), 0.95)
+    assert found.mean.value == pytest.approx(np.mean(method) - np.mean(baseline))
+    assert found.relative is None
+
+
+@pytest.mark.parametrize(
+    "d",
+    [
+        [1, 2, 2, 3, -1],
+        [0, 0, 1, 5, -2, 3, 4],
+        [1, 1, 1, 1, -1, 1, 1, -2],
+        [0.5, 0.5, -0.25, 0, 7, 7, 7, -7, 1, 2, 3, 4, 5],
+        [-3, -3, 1],
+    ],
+)
+def test_few_differences_with_ties_have_the_p_of_all_patterns_of_signs(d):
+    difference = np.asarray(d, float)
+    found = paired_difference(difference + 10.0, np.full(len(d), 10.0), 0.95)
+    assert found.p_wilcoxon == pytest.approx(stats.wilcoxon(difference).pvalue, rel=1e-12)
+
+
 def test_infinite_values_give_no_difference():
     found = paired_difference(np.asarray([np.inf, 1.0]), np.asarray([1.0, 2.0]), 0.95)
     assert found.mean == Estimate(None)

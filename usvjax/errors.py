@@ -10,7 +10,9 @@ from contextlib import contextmanager
 
 # Control characters, line and paragraph ends, overrides of the direction of writing, and lone
 # surrogates: they steer a terminal, break a table, or cannot be written at all.
-_UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+_UNPRINTABLE = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
 
 
 def printable(text: str) -> str:

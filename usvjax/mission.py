@@ -26,12 +26,13 @@ class Metric:
 
     Attributes:
         name: column name.
-        unit: SI unit, "" for none.
+        unit: SI unit, "" for none, or "%" of a share from 0 to 100.
         label: words for tables and figures.
         integer: stored as int32 rather than float32.
         summarised: whether the summary reports its averages and paired differences, which are
             over successes.
         counted: whether the summary reports its mean over all episodes, however they ended.
+        share: whether it is a share from 0 to 1; like one in "%", it changes by percentage points.
     """
 
     name: str
@@ -40,6 +41,12 @@ class Metric:
     integer: bool = False
     summarised: bool = True
     counted: bool = False
+    share: bool = False
+
+    @property
+    def points(self) -> float | None:
+        """Percentage points in one unit of a share; None for what is no share."""
+        return 1.0 if self.unit == "%" else 100.0 if self.share else None
 
 
 @dataclass(frozen=True)

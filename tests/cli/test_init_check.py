@@ -115,10 +115,10 @@ def test_a_field_without_a_meaning_is_a_defect():
         named: int = 1
         bare: int = 2
 
-    from usvjax.study.template import _meanings
+    from usvjax.study.template import meanings_of
 
     with pytest.raises(Exception, match="nothing of 'bare'"):
-        _meanings(Bare)
+        meanings_of(Bare)
 
 
 def test_check_says_how_much_and_how_long(tmp_path, capsys):
@@ -132,6 +132,7 @@ def test_check_says_how_much_and_how_long(tmp_path, capsys):
     assert facts["episodes"] == 80
     assert facts["shards"] == 4
     assert facts["conditions"] == ["density 0.1", "density 0.2"]
+    assert facts["values"] == {"maps.density": 2}
     assert facts["estimate"]["tried"] in (16, 20)
     assert facts["estimate"]["conditions"] == 2
     assert 0 < facts["estimate"]["wall_seconds"] < 60
@@ -140,7 +141,18 @@ def test_check_says_how_much_and_how_long(tmp_path, capsys):
     assert main(["check", str(file), "--no-trial"]) == 0
     shown = capsys.readouterr().out
     assert "80: 40 x 1 method x 2 conditions, in 4 shards" in shown
+    assert "Conditions  2: 2 values of maps.density" in shown
     assert "Time" not in shown
+
+
+def test_check_counts_combinations(tmp_path, capsys):
+    text = 'name = "a"\nepisodes = 4\n[axes]\nparams.radius = [0.2, 0.3, 0.4]\n'
+    (tmp_path / "a.toml").write_text(f"{text}maps.rate = {[0.01 * i for i in range(1, 8)]}\n")
+    assert main(["check", str(tmp_path / "a.toml"), "--no-trial"]) == 0
+    out = capsys.readouterr().out
+    words = "21: all combinations of 3 values of params.radius x 7 values of maps.rate"
+    assert f"Conditions  {words}" in out
+    assert "... and 9 more" in out
 
 
 def test_check_refuses_what_study_does(tmp_path, capsys):

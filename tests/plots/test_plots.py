@@ -121,6 +121,19 @@ def test_chart_counts_all_episodes_and_draws_some():
     assert_inside(fig)
 
 
+def test_the_legend_of_a_sample_tells_the_rates_of_all():
+    every = np.repeat([1, 2, 3, 4], [1500, 460, 39, 1])
+    sample = np.repeat([1, 3], [30, 10])
+    fig = plots.plot_chart(lake(), lake_tracks(), sample, sample_of=every, title="Lake")
+    assert fig.axes[0].get_title() == "Lake: 40 of 2,000 episodes drawn"
+    assert legend_texts(fig) == [
+        "reached 1,500 (75.0 %)",
+        "collided 460 (23.0 %)",
+        "stuck 39 (1.9 %)",
+        "timed out 1 (0.1 %)",
+    ]
+
+
 def test_chart_has_north_up_and_land_where_it_is():
     grid = lake()
     fig = plots.plot_chart(grid, lake_tracks(1), [1])

@@ -209,7 +209,7 @@ def test_published_optima(name: str) -> None:
     path = MOVINGAI / f"{name}.map"
     if not path.exists():
         pytest.skip(f"no MovingAI map at {path}")
-    lines = Path(f"{path}.scen").read_text().splitlines()[1:]
+    lines = Path(f"{path}.scen").read_text(encoding="utf-8").splitlines()[1:]
     rows = np.array([line.split()[4:9] for line in lines if line.strip()], float)
     rows = rows[np.linspace(0, len(rows) - 1, 200).astype(int)]
     cells = rows[:, :4].astype(int)

@@ -1,6 +1,5 @@
 """Running studies: results, resuming, refusing, stopping."""
 
-import io
 import json
 import time
 
@@ -8,12 +7,12 @@ import jax
 import numpy as np
 import polars as pl
 import pytest
-from rich.console import Console
 from study_fake import ToyMission, run_files, toy_study
 
 from usvjax.devices import chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.mission import Outcome
+from usvjax.sheets import text_of
 from usvjax.study import load_run, parse_spec, run_study
 from usvjax.study.figures import figures_for_run
 from usvjax.study.report import terminal
@@ -38,10 +37,8 @@ class Recorder:
 
 
 def printed(summary: dict) -> str:
-    """The tables of a summary as a terminal shows them, with plain spaces."""
-    console = Console(file=io.StringIO(), width=100, highlight=False, markup=False)
-    console.print(terminal(summary))
-    return console.file.getvalue().replace("\u00a0", " ")
+    """The tables of a summary as a terminal shows them."""
+    return text_of(terminal(summary), 100)
 
 
 @pytest.fixture

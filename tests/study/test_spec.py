@@ -119,6 +119,7 @@ def test_writing_out_a_default_does_not_change_the_hash():
         ("until = 0.0", "'until' must lie between 0 and 1"),
         ("until = nan", "'until' must lie between 0 and 1"),
         ("confidence = 1.0", "'confidence' must lie between 0 and 1"),
+        ("confidence = 0.9999999999999999", "'confidence' must be at most 0.999999, got 0.99999"),
         ("[params]\nradius = -0.5", "radius.*-0.5"),
         ("[params]\nradius = nan", "radius.*nan"),
         ("[params]\ndt = 0.0", "dt.*0"),
@@ -273,10 +274,30 @@ def test_a_shard_holds_no_more_than_memory_does():
 
 
 def test_a_condition_has_no_more_shards_than_a_folder_holds_well():
-    message = r"'shard' must be at least 2,148 for 2,147,483,647 episodes.*got 2147$"
+    message = r"'shard' must be at least 2,148 for 2,147,483,647 episodes, .*got 2147$"
     with pytest.raises(BadInputError, match=message):
-        parse_spec(toy_study(episodes=2**31 - 1, shard=2147))
-    assert parse_spec(toy_study(episodes=2**31 - 1, shard=2148)).shard == 2148
+        parse_spec(toy_study(episodes=2**31 - 1, shard=2147, axes={}))
+    assert parse_spec(toy_study(episodes=2**31 - 1, shard=2148, axes={})).shard == 2148
+
+
+def test_conditions_share_the_files_of_a_study():
+    axes = {"params.rate": [0.01 * i for i in range(1, 51)], "params.radius": [0.1, 0.2]}
+    message = r"at least 3 for 25,000 episodes of each of 100 conditions.*got 2$"
+    with pytest.raises(BadInputError, match=message):
+        parse_spec(toy_study(axes=axes, episodes=25_000, shard=2))
+    assert len(parse_spec(toy_study(axes=axes, episodes=25_000, shard=3)).conditions) == 100
+
+
+def test_combinations_are_counted_before_any_is_made(monkeypatch):
+    monkeypatch.setattr("usvjax.study.variants.itertools.product", None)
+    axes = {f"params.{key}": list(range(60)) for key in ("rate", "radius", "sleep", "unsensed")}
+    message = "60 x 60 x 60 x 60 = 12,960,000 conditions; wanted at most 10,000"
+    with pytest.raises(BadInputError, match=message):
+        parse_spec(toy_study(axes=axes))
+    listed = [{"params": {"sleep": 0.0}}, {"params": {"sleep": 1e-9}}]
+    axes = {"params.rate": [i / 1e4 for i in range(5001)]}
+    with pytest.raises(BadInputError, match="2 x 5,001 = 10,002 conditions"):
+        parse_spec(toy_study(axes=axes, conditions=listed))
 
 
 @pytest.mark.parametrize("kind", ["dwa", "route", "cruise"])

@@ -9,6 +9,7 @@ import importlib
 import io
 import os
 import re
+import shutil
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from usvjax.suggest import did_you_mean
 
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
+_LEAST_COLUMNS = 40
 
 
 @dataclass(frozen=True)
@@ -105,16 +107,18 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit code. `--help` leaves through SystemExit instead.
     """
+    from usvjax.cli.console import complain, use_any_encoding
     from usvjax.errors import BadInputError, BadTypeError
 
+    use_any_encoding()
     given = list(sys.argv[1:] if args is None else args)
     try:
         return _dispatch(given)
     except (BadInputError, BadTypeError) as error:
-        print("usvjax:", " ".join(str(error).split()), file=sys.stderr)
+        complain(f"usvjax: {error}")
         return EXIT_USAGE
     except KeyboardInterrupt as stop:
-        print("usvjax:", str(stop) or "interrupted", file=sys.stderr)
+        complain(f"usvjax: {str(stop) or 'interrupted'}")
         return EXIT_INTERRUPTED
     except BrokenPipeError:
         # Whoever read our output has left; without this, Python would complain on exit.
@@ -180,12 +184,25 @@ def usage_in_one_line(prog: str) -> Iterator[None]:
 
     said = io.StringIO()
     try:
-        with contextlib.redirect_stderr(said):
+        with contextlib.redirect_stderr(said), _at_least_columns(_LEAST_COLUMNS):
             yield
     except SystemExit as stop:
         if stop.code != EXIT_USAGE:
             raise
         raise BadInputError(f"{_in_one_line(said.getvalue())} (see {prog} --help)") from None
+
+
+@contextlib.contextmanager
+def _at_least_columns(least: int) -> Iterator[None]:
+    """Let tyro take a terminal for no narrower than this: it wraps by letters, or without end."""
+    kept = os.environ.get("COLUMNS")
+    os.environ["COLUMNS"] = str(max(shutil.get_terminal_size().columns, least))
+    try:
+        yield
+    finally:
+        del os.environ["COLUMNS"]
+        if kept is not None:
+            os.environ["COLUMNS"] = kept
 
 
 def _deferred(function: Callable[..., Any]) -> Callable[..., Callable[[], Any]]:
@@ -225,23 +242,26 @@ def _exit_code(result: Any) -> int:
 
 
 def _unknown(name: str) -> int:
-    print(f"usvjax: unknown command {name!r}; {did_you_mean(name, COMMANDS)}", file=sys.stderr)
+    from usvjax.cli.console import complain
+
+    complain(f"usvjax: unknown command {name!r}; {did_you_mean(name, COMMANDS)}")
     return EXIT_USAGE
 
 
 def _print_help() -> None:
-    from rich.console import Console
-    from rich.table import Table
+    from usvjax.cli.console import show
+    from usvjax.sheets import Sheet
 
-    console = Console(highlight=False)
-    console.print("usage: [bold]usvjax COMMAND ...[/bold]\n")
-    console.print("Massive-rollout simulator for unmanned surface vehicles.\n")
-    table = Table(box=None, show_header=False, padding=(0, 3, 0, 2))
-    for name, command in COMMANDS.items():
-        table.add_row(f"[bold]{name}[/bold]", command.help)
-        table.add_row("", f"[dim]{command.example}[/dim]")
-    console.print(table)
-    console.print(
-        "\n[bold]usvjax COMMAND --help[/bold] explains one command, "
-        "[bold]usvjax --version[/bold] says which version this is."
+    rows = [
+        row
+        for name, command in COMMANDS.items()
+        for row in ((name, command.help), ("", command.example))
+    ]
+    show(
+        "usage: usvjax COMMAND ...",
+        "",
+        "Massive-rollout simulator for unmanned surface vehicles.",
+        "",
+        Sheet("", (), rows, words=2),
+        "usvjax COMMAND --help explains one command, usvjax --version says which version this is.",
     )

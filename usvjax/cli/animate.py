@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
-from rich.progress import Progress
 
+from usvjax.cli.console import Meter, show_line
 from usvjax.cli.episodes import Job, Method, OutFile, RunPath, choose
 
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
@@ -57,12 +56,21 @@ def animate(
     if as_json:
         print(json.dumps({"run": str(run), "animation": str(target)}))
         return
-    Console(highlight=False, markup=False, soft_wrap=True).print(f"Animation  {target}")
+    show_line(f"Animation  {target}")
 
 
 @contextmanager
 def _bar(quiet: bool) -> Iterator[Callable[[int, int], None]]:
     """Give a function from (frames done, frames in all) that moves a bar on stderr."""
-    with Progress(console=Console(stderr=True), disable=quiet) as progress:
-        task = progress.add_task("frames", total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
+    meter = Meter("film", "frames", quiet)
+
+    def drawn(done: int, total: int) -> None:
+        if done <= 1:
+            meter.begin(done, total)
+        else:
+            meter.advance(1)
+
+    try:
+        yield drawn
+    finally:
+        meter.end(whole=False)

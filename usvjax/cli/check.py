@@ -1,6 +1,7 @@
 """`usvjax check`: what a study would run, how long and how large, without running it."""
 
 import json
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -8,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
-from rich.console import Console
+
+from usvjax.cli.console import console, show
+from usvjax.sheets import Sheet
 
 if TYPE_CHECKING:
     from usvjax.study.forecast import Forecast
@@ -58,11 +61,11 @@ def check(file: StudyPath, no_trial: Flag = False, as_json: AsJson = False) -> N
 @contextmanager
 def _waiting(quiet: bool) -> Iterator[None]:
     """Say on stderr that a few episodes are being tried."""
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
+    out = console(stderr=True)
+    if quiet or not out.is_terminal:
         yield
         return
-    with console.status("trying a few episodes ..."):
+    with out.status("trying a few episodes ...", spinner="line"):
         yield
 
 
@@ -79,6 +82,7 @@ def _facts(spec: "StudySpec") -> dict[str, Any]:
         "methods": list(spec.methods),
         "baseline": spec.baseline,
         "conditions": [condition.label for condition in spec.conditions],
+        "values": _values(spec),
         "episodes_each": spec.episodes,
         "episodes": spec.episodes * methods * conditions,
         "until": spec.until,
@@ -87,37 +91,66 @@ def _facts(spec: "StudySpec") -> dict[str, Any]:
     }
 
 
+def _values(spec: "StudySpec") -> dict[str, int]:
+    """How many values each key has that differs between conditions."""
+    found: dict[str, set[str]] = {}
+    for condition in spec.conditions:
+        for key, value in condition.varied.items():
+            found.setdefault(key, set()).add(repr(value))
+    return {key: len(values) for key, values in found.items() if len(values) > 1}
+
+
+def _combinations(count: int, values: dict[str, int]) -> str:
+    """How many conditions there are, and of what they are the combinations, if of all."""
+    if not values or math.prod(values.values()) != count:
+        return f"{count:,}"
+    factors = " x ".join(f"{number:,} values of {key}" for key, number in values.items())
+    return f"{count:,}: {'all combinations of ' if len(values) > 1 else ''}{factors}"
+
+
 def _print(spec: "StudySpec", facts: dict[str, Any]) -> None:
-    console = Console(highlight=False, markup=False, soft_wrap=True)
     labels = facts["conditions"]
+    count = len(labels)
     most = "at most " if spec.until is not None else ""
-    console.print(f"Study      {spec.name}, kind {spec.kind}, seed {spec.seed}")
-    console.print(f"Methods    {', '.join(spec.methods)}; against {spec.baseline}")
-    for index, label in enumerate(labels[:_SHOWN]):
-        console.print(f"{'Conditions' if index == 0 else ' ' * 10} {label}")
-    if len(labels) > _SHOWN:
-        console.print(f"{' ' * 10} ... and {len(labels) - _SHOWN:,} more")
-    console.print(
-        f"Episodes   {most}{facts['episodes']:,}: {spec.episodes:,} x "
-        f"{_counted(len(spec.methods), 'method')} x {_counted(len(labels), 'condition')}, in "
-        f"{_counted(facts['shards'], 'shard')}"
-    )
+    rows = [
+        ("Study", f"{spec.name}, kind {spec.kind}, seed {spec.seed}"),
+        ("Methods", f"{', '.join(spec.methods)}; against {spec.baseline}"),
+        ("Conditions", _combinations(count, facts["values"])),
+        *(("", label) for label in labels[:_SHOWN]),
+        *([("", f"... and {count - _SHOWN:,} more")] if count > _SHOWN else []),
+        (
+            "Episodes",
+            f"{most}{facts['episodes']:,}: {spec.episodes:,} x "
+            f"{_counted(len(spec.methods), 'method')} x {_counted(count, 'condition')}, in "
+            f"{_counted(facts['shards'], 'shard')}",
+        ),
+    ]
     if spec.until is not None:
-        console.print(f"Until      intervals of success rates are at most {spec.until:g} wide")
+        rows.append(("Until", f"intervals of success rates are at most {spec.until:g} wide"))
+    _show(rows)
 
 
 def _print_forecast(facts: dict[str, Any], found: "Forecast", until: bool) -> None:
     from usvjax.checks import byte_size
 
-    console = Console(highlight=False, markup=False, soft_wrap=True)
     most = "at most " if until else ""
     wall = facts["estimate"]["wall_seconds"]
-    console.print(
-        f"Time       {most}about {_duration(wall)} on {_counted(facts['devices'], 'device')}, and "
-        f"compilation ({_duration(found.first_seconds)} here); by "
-        f"{_counted(found.tried, 'episode')} of {_counted(found.conditions, 'condition')}"
+    _show(
+        [
+            (
+                "Time",
+                f"{most}about {_duration(wall)} on {_counted(facts['devices'], 'device')}, and "
+                f"compilation ({_duration(found.first_seconds)} here); by "
+                f"{_counted(found.tried, 'episode')} of {_counted(found.conditions, 'condition')}",
+            ),
+            ("Size", f"{most}about {byte_size(found.bytes)} on disk"),
+        ]
     )
-    console.print(f"Size       {most}about {byte_size(found.bytes)} on disk")
+
+
+def _show(rows: list[tuple[str, str]]) -> None:
+    """Print what things are called, all to one width, and what they are."""
+    show(Sheet("", (), [(f"{name:10}", words) for name, words in rows], words=2))
 
 
 def _counted(count: int, what: str) -> str:

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 
+from usvjax.cli.console import show_line
 from usvjax.cli.episodes import Job, Method, OutFile, RunPath, choose
 
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
@@ -46,4 +46,4 @@ def export(
     if as_json:
         print(json.dumps({"run": str(run), "tracks": str(target)}))
         return
-    Console(highlight=False, markup=False, soft_wrap=True).print(f"Tracks   {target}")
+    show_line(f"Tracks   {target}")

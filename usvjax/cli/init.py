@@ -5,6 +5,8 @@ from typing import Annotated
 
 import tyro
 
+from usvjax.cli.console import show_line
+
 Kind = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="KIND")]
 PluginFile = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
 OutFile = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
@@ -40,7 +42,7 @@ def init(kind: Kind, out: OutFile = None, plugin: PluginFile = None, force: Flag
         out.write_text(text, encoding="utf-8")
     except OSError as error:
         raise BadInputError(f"cannot write {out}: {error.strerror}") from error
-    print(f"Study    {out}")
+    show_line(f"Study    {out}")
 
 
 def _beside(plugin: Path, out: Path | None) -> str:

@@ -1,18 +1,19 @@
 """``usvjax maps``: list, show, convert and draw maps."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import tyro
-from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
+from usvjax.cli.console import console, room, show, show_line
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map, load_map, packaged_names, save_map
 from usvjax.maps.hongze import is_packaged_name
+from usvjax.sheets import Sheet
 
 MapName = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="MAP")]
 InFile = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="IN")]
@@ -23,7 +24,7 @@ Force = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
 # Rows of a terminal that the table and the prompt take beside the sketch.
 _OTHER_ROWS = 9
-_ROWS_IN_A_PIPE = 40
+_COLUMNS_IN_A_PIPE, _ROWS_IN_A_PIPE = 80, 40
 _IMAGES = (".png", ".pgm")
 
 
@@ -36,19 +37,21 @@ def list_maps(as_json: AsJson = False) -> None:
         as_json: Print JSON for scripts.
     """
     rows = [{"map": name, **_summary(find_map(name))} for name in packaged_names()]
-    console = Console()
     if as_json:
-        console.print_json(data=rows)
+        print(json.dumps(rows, indent=2))
         return
-    table = Table("map", "what", box=None, pad_edge=False)
-    for heading in ("cells", "cell size", "free"):
-        table.add_column(heading, justify="right")
-    for row in rows:
-        cells = f"{row['width']} x {row['height']}"
-        free = f"{row['free_share']:.1%}"
-        table.add_row(row["map"], row["name"], cells, f"{row['cell_size_m']:g} m", free)
-    console.print(table)
-    console.print("hongze-125, hongze-50, ... are interpolated from hongze-250.", style="dim")
+    cells = [
+        (
+            row["map"],
+            row["name"],
+            f"{row['width']} x {row['height']}",
+            f"{row['cell_size_m']:g} m",
+            f"{row['free_share']:.1%}",
+        )
+        for row in rows
+    ]
+    table = Sheet("", ("map", "what", "cells", "cell size", "free"), cells, words=2)
+    show(table, "hongze-125, hongze-50, ... are interpolated from hongze-250.")
 
 
 def show_map(map_name: MapName, cell_size: CellSize = None, as_json: AsJson = False) -> None:
@@ -63,16 +66,13 @@ def show_map(map_name: MapName, cell_size: CellSize = None, as_json: AsJson = Fa
     """
     grid = find_map(map_name, cell_size=cell_size)
     summary = _summary(grid)
-    console = Console()
     if as_json:
-        console.print_json(data=summary)
+        print(json.dumps(summary, indent=2))
         return
-    table = Table(box=None, show_header=False, pad_edge=False)
-    for label, value in _described(summary):
-        table.add_row(Text(label, style="bold"), Text(value))
-    console.print(table)
-    rows = max(console.height - _OTHER_ROWS, 8) if console.is_terminal else _ROWS_IN_A_PIPE
-    console.print(sketch(grid.blocked, console.width, rows))
+    show(Sheet("", (), _described(summary), words=2))
+    out = console()
+    rows = max(out.height - _OTHER_ROWS, 8) if out.is_terminal else _ROWS_IN_A_PIPE
+    out.print(sketch(grid.blocked, room() or _COLUMNS_IN_A_PIPE, rows))
 
 
 def convert_map(
@@ -101,11 +101,9 @@ def convert_map(
     else:
         grid = find_map(source, cell_size=cell_size)
     written = save_map(grid, out, replace=force)
-    console = Console(soft_wrap=True)
-    console.print(f"wrote {', '.join(str(path) for path in written)}", highlight=False)
+    show_line(f"wrote {', '.join(str(path) for path in written)}")
     if out.suffix.lower() in _IMAGES:
-        note = f"an image holds no scale: load it with --cell-size {grid.cell_size:g}"
-        console.print(note, style="dim", highlight=False)
+        show(f"an image holds no scale: load it with --cell-size {grid.cell_size:g}")
 
 
 def draw_map(map_name: MapName, out: OutFile, cell_size: CellSize = None, dpi: int = 200) -> None:
@@ -127,7 +125,7 @@ def draw_map(map_name: MapName, out: OutFile, cell_size: CellSize = None, dpi: i
         raise BadInputError(f"--dpi: got {dpi}; wanted 10 to {MOST_DPI}")
     figure = plot_map(find_map(map_name, cell_size=cell_size))
     written = style.save(figure, out, dpi=dpi)
-    Console(soft_wrap=True).print(f"wrote {written}", highlight=False)
+    show_line(f"wrote {written}")
 
 
 MOST_DPI = 2400

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
-from rich.console import Console
+
+from usvjax.cli.console import show_line
 
 RunPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RUN")]
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
@@ -41,11 +42,10 @@ def plot(
     from usvjax.study.figures import figures_for_run
 
     use_compilation_cache()
-    console = Console(highlight=False, markup=False, soft_wrap=True)
 
     def tell(path: Path) -> None:
         if not as_json:
-            console.print(f"Figure   {path}")
+            show_line(f"Figure   {path}")
 
     written = figures_for_run(
         run,

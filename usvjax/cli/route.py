@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 import tyro
-from rich.console import Console
-from rich.table import Table
 
 from usvjax.checks import one_of
+from usvjax.cli.console import show, show_line
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map
+from usvjax.sheets import Sheet
 
 if TYPE_CHECKING:
     from usvjax.missions.route.run import Routes
@@ -295,12 +295,6 @@ def _rows(query: _Query, method: str, found: "Routes", seconds: float) -> list[_
 
 
 def _show(rows: list[_Row], files: list[Path]) -> None:
-    console = Console(highlight=False, soft_wrap=True)
-    table = Table(box=None, show_header=False, pad_edge=False)
-    table.add_column(style="bold")
-    table.add_column(justify="right")
-    for row in rows:
-        table.add_row(row.words, row.text)
-    console.print(table)
+    show(Sheet("", (), [(row.words, row.text) for row in rows]))
     for file in files:
-        console.print(f"wrote {file}", markup=False)
+        show_line(f"wrote {file}")

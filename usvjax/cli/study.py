@@ -7,17 +7,8 @@ from types import TracebackType
 from typing import Annotated
 
 import tyro
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.text import Text
+
+from usvjax.cli.console import Meter, show, show_line
 
 StudyPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")]
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
@@ -70,12 +61,11 @@ def study(
         found = {"run": str(result.path), "figures": list(map(str, figures))}
         print(json.dumps({**found, "summary": result.summary}))
         return
-    console = Console(highlight=False, markup=False)
-    console.print(terminal(result.summary))
-    console.print(f"Run      {result.path}", soft_wrap=True)
-    console.print(f"Summary  {result.path / 'summary.md'}", soft_wrap=True)
+    show(*terminal(result.summary))
+    show_line(f"Run      {result.path}")
+    show_line(f"Summary  {result.path / 'summary.md'}")
     for figure in figures:
-        console.print(f"Figure   {figure}", soft_wrap=True)
+        show_line(f"Figure   {figure}")
 
 
 def _figures(run: Path, folder: Path) -> list[Path]:
@@ -86,22 +76,10 @@ def _figures(run: Path, folder: Path) -> list[Path]:
 
 
 class _Bar:
-    """A progress bar on stderr; an episode counts once per method."""
+    """Progress on stderr; an episode counts once per method."""
 
     def __init__(self, name: str, quiet: bool) -> None:
-        console = Console(stderr=True, highlight=False)
-        self._progress = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(bar_width=24),
-            _Episodes(),
-            TimeRemainingColumn(),
-            TextColumn("left,"),
-            TimeElapsedColumn(),
-            TextColumn("so far"),
-            console=console,
-            disable=quiet,
-        )
-        self._task = self._progress.add_task(name, total=None)
+        self._meter = Meter(name, "episodes", quiet)
 
     def __enter__(self) -> "_Bar":
         return self
@@ -112,34 +90,19 @@ class _Bar:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if kind is None:
-            # A study that stopped early is finished nevertheless.
-            self._progress.update(self._task, total=self._progress.tasks[0].completed)
-        # Stopping a bar that never started would print an empty line.
-        if self._progress.live.is_started:
-            self._progress.stop()
+        # A study that stopped early is finished nevertheless.
+        self._meter.end(whole=kind is None)
 
     def begin(self, done: int, total: int) -> None:
         """Show the bar, and how much is there already."""
-        self._progress.reset(self._task, total=total, completed=done)
-        self._progress.start()
-        if done and not self._progress.disable:
-            self._progress.console.print(f"continuing: {done:,} of {total:,} episodes on disk")
+        self._meter.begin(done, total)
+        if done:
+            self._meter.say(f"continuing: {done:,} of {total:,} episodes on disk")
 
     def advance(self, episodes: int) -> None:
         """Move the bar."""
-        self._progress.advance(self._task, episodes)
+        self._meter.advance(episodes)
 
     def stopping(self) -> None:
         """Say that Ctrl-C was understood."""
-        self._progress.console.print("stopping: finishing the shards under way ...")
-
-
-class _Episodes(ProgressColumn):
-    """Episodes done and per second."""
-
-    def render(self, task: Task) -> Text:
-        """Return "4,000/60,000  2,345/s"."""
-        total = f"{task.total:,.0f}" if task.total is not None else "?"
-        speed = f"{task.speed:,.0f}/s" if task.speed else ""
-        return Text(f"{task.completed:,.0f}/{total} episodes  {speed}")
+        self._meter.say("stopping: finishing the shards under way ...")

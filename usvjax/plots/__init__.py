@@ -8,6 +8,7 @@ from usvjax.plots.chart import plot_chart
 from usvjax.plots.curvature import Bends, bends_of, plot_curvature
 from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.map_sheet import plot_map
+from usvjax.plots.overview import plot_overview
 from usvjax.plots.paths import Ending, plot_paths
 from usvjax.plots.rates import plot_success, wilson_rates
 from usvjax.plots.route import plot_route_chart, plot_routes
@@ -22,6 +23,7 @@ __all__ = [
     "plot_curvature",
     "plot_distributions",
     "plot_map",
+    "plot_overview",
     "plot_paths",
     "plot_route_chart",
     "plot_routes",

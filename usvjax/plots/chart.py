@@ -23,7 +23,7 @@ def plot_chart(
     status: ArrayLike,
     *,
     max_paths: int = 200,
-    sampled_from: int | None = None,
+    sample_of: ArrayLike | None = None,
     view: base_map.View | None = None,
     attribution: str | None = None,
     title: str | None = None,
@@ -36,8 +36,9 @@ def plot_chart(
             padding.
         status: int[B], codes of `usvkernels.status.Status`.
         max_paths: draw at most so many, spread evenly over the B given; the counts in the
-            legend are always of all B.
-        sampled_from: how many episodes the B given are a sample of, for the title.
+            legend are always of all episodes.
+        sample_of: int[N], status of all the episodes that the B given are a sample of; None
+            where these are all.
         view: (west, east, south, north), m: the part to show; None shows the whole map.
         attribution: source of the chart, written small into it; None takes the map's own.
         title: title of the axes.
@@ -55,8 +56,9 @@ def plot_chart(
         raise BadInputError(f"view is {view}; (west, east, south, north) in m was wanted")
     fig, ax = base_map.new_sheet(grid_map, view)
     drawn = np.unique(np.linspace(0, len(codes) - 1, min(max_paths, len(codes))).astype(int))
-    handles = _draw_tracks(ax, tracks, codes, drawn)
-    note = f"{len(drawn):,} of {sampled_from or len(codes):,} episodes drawn"
+    every = codes if sample_of is None else _codes(sample_of)
+    handles = _draw_tracks(ax, tracks, codes, drawn, every)
+    note = f"{len(drawn):,} of {len(every):,} episodes drawn"
     ax.set_title(style.folded(f"{title}: {note}" if title else note, 95))
     style.outside_legend(fig, handles, columns=len(handles))
     source = grid_map.attribution if attribution is None else attribution
@@ -73,11 +75,16 @@ def _check(
     if codes.shape != tracks.shape[:1]:
         wanted = tracks.shape[:1]
         raise BadInputError(f"status has shape {codes.shape}; {wanted} was wanted")
-    for code in np.unique(codes):
-        style.status_name(code)
     if max_paths < 1:
         raise BadInputError(f"max_paths is {max_paths}; at least 1 was wanted")
-    return tracks, codes.astype(np.int64)
+    return tracks, _codes(codes)
+
+
+def _codes(status: ArrayLike) -> NDArray[np.int64]:
+    codes = np.asarray(status)
+    for code in np.unique(codes):
+        style.status_name(code)
+    return codes.astype(np.int64)
 
 
 def detail(
@@ -112,11 +119,16 @@ def detail(
 
 
 def _draw_tracks(
-    ax: Axes, tracks: NDArray[np.float64], codes: NDArray[np.int64], drawn: NDArray[np.int64]
+    ax: Axes,
+    tracks: NDArray[np.float64],
+    codes: NDArray[np.int64],
+    drawn: NDArray[np.int64],
+    every: NDArray[np.int64],
 ) -> list[Line2D]:
+    """Draw tracks; the legend tells how often each ending came among `every` episode."""
     handles = []
     for status in STATUS_ORDER:
-        count = int((codes == status).sum())
+        count = int((every == status).sum())
         if count == 0:
             continue
         mine = drawn[codes[drawn] == status]
@@ -129,7 +141,7 @@ def _draw_tracks(
         ax.add_collection(paths)
         ends = np.array([line[-1] for line in lines]).reshape(-1, 2)
         ax.plot(*ends.T, marker, color=colour, markersize=size, zorder=layer + 0.1)
-        share = 100 * count / len(codes)
+        share = 100 * count / len(every)
         label = f"{style.STATUS_LABEL[status]} {count:,} ({share:.1f} %)"
         handles.append(Line2D([], [], color=colour, marker=marker, markersize=4, label=label))
     return handles

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from usvjax.errors import BadInputError
 from usvjax.plots import style
 from usvjax.plots.distributions import both_reached, draw_boxes
+from usvjax.plots.overview import MOST_CONDITIONS
 from usvjax.statistics import wilson
 from usvkernels.status import Status
 
-MOST_CONDITIONS = 6
+MOST_ON_A_PAGE = 6
 """Conditions of one figure; a study with more has several."""
 
 
@@ -46,10 +47,15 @@ def method_pages(
     confidence: float,
     title: str,
 ) -> Iterator[tuple[str, Figure]]:
-    """Yield (name, figure) of how methods compare, a few conditions in each; see `plot_methods`."""
+    """Yield (name, figure) of how methods compare, a few conditions in each; see `plot_methods`.
+
+    Of more conditions than a reader can take in there is none, but an overview in their place.
+    """
     conditions = table["condition"].unique().sort().to_list()
-    for page, first in enumerate(range(0, len(conditions), MOST_CONDITIONS), start=1):
-        chosen = conditions[first : first + MOST_CONDITIONS]
+    if len(conditions) > MOST_CONDITIONS:
+        return
+    for page, first in enumerate(range(0, len(conditions), MOST_ON_A_PAGE), start=1):
+        chosen = conditions[first : first + MOST_ON_A_PAGE]
         fig = plot_methods(
             table.filter(pl.col("condition").is_in(chosen)),
             methods,
@@ -109,6 +115,8 @@ def plot_methods(
             filled = [(x, values) for x, values in samples if len(values)]
             draw_boxes(ax, filled, 0.68 / len(methods), _fill(looks[method]))
         ax.set(ylabel=words, yscale="log" if logarithmic else "linear")
+        if logarithmic:
+            style.plain_powers(ax.yaxis)
     _draw_shares(axes[0], table, compared.success, places, looks, confidence)
     alone = len(conditions) == 1
     ticks, how = style.tick_names(list(methods) if alone else names, room=60)

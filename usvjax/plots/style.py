@@ -14,9 +14,11 @@ from typing import Any, Literal, NamedTuple, ParamSpec, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogFormatter
 
 from usvjax.errors import BadInputError
 from usvkernels.status import Status
@@ -47,6 +49,7 @@ _RC: dict[str, Any] = {
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "lines.linewidth": 1.4,
+    "text.parse_math": False,  # a user's label may hold dollar signs
     "pdf.fonttype": 42,  # embed TrueType: text in the PDF stays text
     "svg.fonttype": "none",
     "svg.hashsalt": "usvjax",  # the same figure gives the same bytes
@@ -203,6 +206,12 @@ def tick_names(names: Sequence[str], room: int) -> tuple[list[str], dict[str, An
     if len(names) * 3.5 * lines <= room:
         return list(names), {"rotation": 40, "ha": "right", "rotation_mode": "anchor"}
     return list(names), {"rotation": 90}
+
+
+def plain_powers(axis: Axis) -> None:
+    """Label a logarithmic axis with plain numbers: matplotlib's own labels are formulas."""
+    axis.set_major_formatter(LogFormatter())
+    axis.set_minor_formatter(LogFormatter(labelOnlyBase=False))
 
 
 def map_axes(ax: Axes, unit: str = "m") -> None:

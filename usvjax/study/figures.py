@@ -1,6 +1,6 @@
 """The figures of a run, as its mission draws them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import polars as pl
@@ -8,8 +8,10 @@ from matplotlib.figure import Figure
 
 from usvjax.errors import BadInputError
 from usvjax.plots import style
+from usvjax.plots.overview import MOST_CONDITIONS, plot_overview
 from usvjax.public import public
-from usvjax.study.reader import load_run
+from usvjax.study.meanings import units_of
+from usvjax.study.reader import Run, load_run
 from usvjax.study.replay import Replay
 
 FOLDER = "figures"
@@ -56,12 +58,31 @@ def figures_for_run(
     run = load_run(run_dir)
     replay = Replay(run, folder or Path(), max_examples, max_paths)
     written = []
-    for name, drawn in replay.mission.figures(run, replay):
+    for name, drawn in _drawn(run, replay):
         for suffix in formats if isinstance(drawn, Figure) else (".csv",):
             written.append(_saved(drawn, run.path / FOLDER / f"{name}{suffix}"))
             if on_written is not None:
                 on_written(written[-1])
     return written
+
+
+def _drawn(run: Run, replay: Replay) -> Iterator[tuple[str, Figure | pl.DataFrame]]:
+    """The figures of the mission; of many conditions, first one of how they all went."""
+    mission = replay.mission
+    if len(run.settings) > MOST_CONDITIONS:
+        fig = plot_overview(
+            run.table(),
+            dict(enumerate(run.varied)),
+            success=int(mission.endings[0]),
+            methods=run.methods,
+            labels=run.labels,
+            words=mission.endings[0].name.lower().replace("_", " "),
+            units=units_of(mission.tables),
+            confidence=run.level,
+            title=run.name,
+        )
+        yield "overview", fig
+    yield from mission.figures(run, replay)
 
 
 def _saved(drawn: Figure | pl.DataFrame, path: Path) -> Path:

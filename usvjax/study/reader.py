@@ -92,7 +92,7 @@ class Run:
 
 def _shard(file: Path) -> pl.DataFrame:
     try:
-        return pl.read_parquet(file)
+        return pl.read_parquet(file, glob=False)
     except (OSError, pl.exceptions.PolarsError) as error:
         raise BadInputError(f"{file} is damaged; run the study again, which replaces it") from error
 

@@ -1,12 +1,15 @@
-"""The summary for people: Markdown for a file, rich tables for a terminal."""
+"""The summary for people: Markdown for a file, tables for a terminal."""
 
 import math
 from typing import Any
 
-from rich import box
-from rich.console import Group
-from rich.table import Table
-from rich.text import Text
+from usvjax.errors import printable
+from usvjax.sheets import Sheet
+
+MOST_CONDITIONS = 12
+"""Conditions that a terminal shows one by one; of more, it shows the ends of their ranking."""
+FEW = 3
+"""So many conditions of either end."""
 
 # Letters of the failures' names that 80 columns hold; beyond, those that never happened go.
 _ROOM_FOR_FAILURES = 24
@@ -42,21 +45,23 @@ def markdown(summary: dict[str, Any]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def terminal(summary: dict[str, Any]) -> Group:
-    """Lay a summary out for a terminal of 80 columns.
+def terminal(summary: dict[str, Any]) -> list[Sheet | str]:
+    """Lay a summary out for a terminal.
 
     Args:
         summary: from `usvjax.study.summary.summarise`.
 
     Returns:
-        Something rich can print.
+        Tables and notes, for `usvjax.sheets.text_of`. Of more than `MOST_CONDITIONS` conditions
+        they show the few whose best method succeeds most often, and least often.
     """
     study = summary["study"]
     percent = f"{100 * study['confidence']:g} %"
-    parts = [
-        _rich_table(
+    shown = _few(summary)
+    parts: list[Sheet | str] = [
+        Sheet(
             f"How episodes ended (% of episodes, {percent} interval)",
-            *_short_outcomes(summary),
+            *_short_outcomes(shown),
             words=2,
         ),
     ]
@@ -65,9 +70,37 @@ def terminal(summary: dict[str, Any]) -> Group:
             f"Difference to {study['baseline']} (p by Holm): success over all episodes, all else "
             f"over the n where both succeed"
         )
-        parts.append(_rich_table(f"\n{title}", *_short_differences(summary), words=1))
-    below = [note for note in (_infinite_note(summary), _stopping_note(summary)) if note]
-    return Group(*parts, *map(Text, below))
+        parts.append(Sheet(title, *_short_differences(shown), words=2, headed=True))
+    if shown is not summary:
+        parts.append(_rest_note(summary))
+    return parts + [note for note in (_infinite_note(summary), _stopping_note(summary)) if note]
+
+
+def _few(summary: dict[str, Any]) -> dict[str, Any]:
+    """The summary, of many conditions with the ends of their ranking only, numbered by rank."""
+    conditions = summary["conditions"]
+    count = len(conditions)
+    if count <= MOST_CONDITIONS:
+        return summary
+    success = summary["study"]["success"]
+
+    def best(condition: dict[str, Any]) -> float:
+        return max(m["statuses"][success]["value"] or 0.0 for m in condition["methods"])
+
+    ranked = list(enumerate(sorted(conditions, key=best, reverse=True), start=1))
+    ends = [
+        condition | {"label": f"no. {rank:,} of {count:,}: {condition['label']}"}
+        for rank, condition in ranked[:FEW] + ranked[-FEW:]
+    ]
+    return summary | {"conditions": ends}
+
+
+def _rest_note(summary: dict[str, Any]) -> str:
+    return (
+        f"Of {len(summary['conditions']):,} conditions, ranked by the success rate of their best "
+        f"method, the first {FEW} and the last {FEW} are shown. All of them are in summary.md, "
+        f"summary.json and the Parquet shards."
+    )
 
 
 def number(value: float | None) -> str:
@@ -167,7 +200,6 @@ def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]
                     *(number(method["counted"][metric["name"]]) for metric in counted),
                 ]
             )
-        rows.append([])
     means = [f"{_label(metric)}, mean" for metric in counted]
     return ["Condition", "Method", "Episodes", *map(_words, (success, *failures)), *means], rows
 
@@ -221,7 +253,7 @@ def _differences(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
                         _interval(found["baseline"]["mean"]),
                         _interval(found["method"]["mean"]),
                         _interval(gap, sign=True),
-                        _change(gap["relative"]),
+                        _change(gap),
                         p_value(gap["p_t_holm"]),
                         p_value(gap["p_wilcoxon_holm"]),
                         "-",
@@ -235,34 +267,34 @@ def _short_differences(summary: dict[str, Any]) -> tuple[list[str], list[list[st
     for condition in summary["conditions"]:
         for pair in condition["pairs"]:
             success = pair["success"]
-            body = [
+            head = f"{condition['label']}: {pair['method']}, "
+            head += f"n = {success['both']:,} of {success['n']:,}"
+            rows.append(
                 [
+                    head,
                     "Success (%)",
                     *map(_percent, _success_rates(success)),
                     _interval(success["difference"], 100.0, sign=True),
                     "",
                     p_value(success["p_mcnemar_holm"]),
                 ]
-            ]
+            )
             for metric in summary["study"]["metrics"]:
                 found = pair["metrics"][metric["name"]]
                 gap = found["difference"]
-                own = f", n\u00a0=\u00a0{_of_all(found)}" if _infinite(found) else ""
-                body.append(
+                own = f", n = {_of_all(found)}" if _infinite(found) else ""
+                rows.append(
                     [
+                        "",
                         f"{_label(metric)}{own}",
                         number(found["baseline"]["mean"]["value"]),
                         number(found["method"]["mean"]["value"]),
                         _interval(gap, sign=True),
-                        _change(gap["relative"]),
+                        _change(gap),
                         p_value(gap["p_t_holm"]),
                     ]
                 )
-            rows.append([condition["label"]])
-            rows.append([f"{pair['method']}, n = {success['both']:,} of {success['n']:,}"])
-            rows += [[f"\u00a0{name}", *row] for name, *row in body]
-            rows.append([])
-    return ["Figure", "Baseline", "Method", "Difference", "Change", "p"], rows
+    return ["Condition", "Figure", "Baseline", "Method", "Difference", "Change", "p"], rows
 
 
 def _success_rates(success: dict[str, Any]) -> tuple[float | None, float | None]:
@@ -274,8 +306,11 @@ def _success_rates(success: dict[str, Any]) -> tuple[float | None, float | None]
     return (both + success["baseline_only"]) / n, (both + success["method_only"]) / n
 
 
-def _change(relative: float | None) -> str:
-    return "-" if relative is None else f"{100 * relative:+.1f} %"
+def _change(gap: dict[str, Any]) -> str:
+    """A share changes by points: from 0.8 to 99.8 % is no "+12375 %"."""
+    if "points" in gap:
+        return "-" if gap["points"] is None else f"{gap['points']:+.1f} pp"
+    return "-" if gap["relative"] is None else f"{100 * gap['relative']:+.1f} %"
 
 
 def _infinite(found: dict[str, Any]) -> int:
@@ -314,7 +349,10 @@ def _stopping_note(summary: dict[str, Any]) -> str:
     text = f"Success rates are known to within {study['until']:g} (interval width)"
     if not wide:
         return f"{text} everywhere."
-    return f"{text} except, after {study['looks'][-1]:,} episodes, for: {'; '.join(wide)}."
+    named = "; ".join(wide[:MOST_CONDITIONS])
+    rest = len(wide) - MOST_CONDITIONS
+    more = f"; and {rest:,} more (see narrow_enough in summary.json)" if rest > 0 else ""
+    return f"{text} except, after {study['looks'][-1]:,} episodes, for: {named}{more}."
 
 
 def _notes(summary: dict[str, Any]) -> list[str]:
@@ -350,31 +388,6 @@ def _notes(summary: dict[str, Any]) -> list[str]:
 def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
     lines = [header, ["---"] * len(header), *rows]
     return "\n".join(
-        "| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in lines
+        "| " + " | ".join(printable(cell).replace("|", r"\|") for cell in row) + " |"
+        for row in lines
     )
-
-
-def _rich_table(title: str, header: list[str], rows: list[list[str]], words: int) -> Table:
-    """Lay out rows; the first column may wrap, an empty row separates conditions.
-
-    The first `words` columns hold words, the others figures.
-    """
-    table = Table(
-        title=title,
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        show_edge=False,
-        padding=(0, 0),
-        collapse_padding=True,
-    )
-    for index, name in enumerate(header):
-        table.add_column(
-            name,
-            justify="left" if index < words else "right",
-            no_wrap=index > 0,
-            min_width=16 if index == 0 else None,
-        )
-    for row in rows[:-1]:
-        table.add_row(*map(Text, row))
-    return table

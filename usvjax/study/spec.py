@@ -38,7 +38,9 @@ MAX_SEED = 2**32 - 1
 MAX_SHARD = 1_000_000
 """Episodes that are in memory at once, which may take some gigabytes."""
 MAX_SHARDS = 1_000_000
-"""Shards of a condition: a file each, and a place in the queue of what is to be run."""
+"""Shards of a study: a file each, and a place in the queue of what is to be run."""
+MAX_CONFIDENCE = 0.999999
+"""Beyond, there is no quantile to compute an interval with."""
 
 _MOST_OF_ERROR = 200
 """Characters of what the parser says: it quotes what it read."""
@@ -63,7 +65,7 @@ class StudyFile:
         until: stop a condition once the interval of every method's success rate is at most this
             wide, a share between 0 and 1 (0.01 is one percentage point); when left out, all
             episodes are run.
-        confidence: coverage of every interval; a share between 0 and 1.
+        confidence: coverage of every interval; a share between 0 and 0.999999.
     """
 
     name: str
@@ -219,6 +221,7 @@ def parse_spec(
     methods, baseline = _check_top(top, mission, where)
     given = {name: table_of(tables, name, where) for name in sections}
     variants = list(variants_of(tables, sections, where))
+    _check_shards(top, len(variants), where)
     names = short_names({key for _, varied, _ in variants for key in varied})
     conditions = []
     for index, (title, varied, told) in enumerate(variants):
@@ -297,16 +300,14 @@ def _check_top(top: StudyFile, mission: Mission, where: str) -> tuple[tuple[str,
             f"{where}: 'shard' must be at most {MAX_SHARD:,}, the episodes that memory can hold "
             f"at once, got {top.shard}"
         )
-    least = -(-top.episodes // MAX_SHARDS)
-    if top.shard < least:
-        raise BadInputError(
-            f"{where}: 'shard' must be at least {least:,} for {top.episodes:,} episodes, so that a "
-            f"condition has at most {MAX_SHARDS:,} files, got {top.shard}"
-        )
     _check_range(where, "seed", top.seed, 0, MAX_SEED)
     for key, value in (("until", top.until), ("confidence", top.confidence)):
         if value is not None and not 0.0 < value < 1.0:
             raise BadInputError(f"{where}: {key!r} must lie between 0 and 1, got {value!r}")
+    if top.confidence > MAX_CONFIDENCE:
+        raise BadInputError(
+            f"{where}: 'confidence' must be at most {MAX_CONFIDENCE:g}, got {top.confidence!r}"
+        )
     methods = top.methods or tuple(mission.methods)
     for method in methods:
         if method not in mission.methods:
@@ -321,6 +322,16 @@ def _check_top(top: StudyFile, mission: Mission, where: str) -> tuple[tuple[str,
             f"{where}: 'baseline' is {shown(baseline)}, not one of 'methods'; {hint}"
         )
     return methods, baseline
+
+
+def _check_shards(top: StudyFile, conditions: int, where: str) -> None:
+    least = -(-top.episodes // (MAX_SHARDS // conditions))
+    if top.shard < least:
+        each = "" if conditions == 1 else f" of each of {conditions:,} conditions"
+        raise BadInputError(
+            f"{where}: 'shard' must be at least {least:,} for {top.episodes:,} episodes{each}, so "
+            f"that the study has at most {MAX_SHARDS:,} files, got {top.shard}"
+        )
 
 
 def _check_range(where: str, key: str, value: int, low: int, high: int) -> None:

@@ -256,7 +256,7 @@ def _digest(content: bytes) -> str:
 
 def _locked(path: Path) -> io.TextIOWrapper:
     """Take the directory's lock; the system drops it when the process ends, however it ends."""
-    lock = open(path / LOCK, "w")  # noqa: SIM115 - held until the run directory is closed
+    lock = open(path / LOCK, "w", encoding="utf-8")  # noqa: SIM115 - held until the run directory is closed
     if fcntl is not None:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

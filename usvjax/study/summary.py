@@ -46,7 +46,9 @@ def summarise(spec: StudySpec, run: RunDirectory, progress: Progress) -> dict[st
         (against the baseline, over the episodes where both succeed). Missing figures are None.
         Averages and differences leave out infinite values, such as the clearance of an episode
         that never sensed an obstacle: where there are any, "infinite" says how many, and "n" is
-        of the others.
+        of the others. "relative" is the mean difference as a share of the baseline's mean, None
+        where a ratio has no meaning; the differences of shares have "points" besides, percentage
+        points.
     """
     conditions = [_condition(spec, run, condition, progress) for condition in spec.conditions]
     _correct(conditions, len(progress.looks))
@@ -153,14 +155,15 @@ def _pair(
     seed = (condition.index, _rank(spec, method), 1)
     ours, theirs = _averages(spec, shared, level, seed)
     metrics = {}
-    for name in _summarised(spec):
+    for metric in (m for m in spec.mission.metrics if m.summarised):
+        name = metric.name
         a, b = (frame[name].to_numpy() for frame in shared)
         infinite = np.isinf(a)
         metrics[name] = {
             **_count(len(a), int(infinite.sum())),
             "method": ours[name],
             "baseline": theirs[name],
-            "difference": _difference(a[~infinite], b[~infinite], level),
+            "difference": _difference(a[~infinite], b[~infinite], level, metric.points),
         }
     return {
         "method": method,
@@ -185,11 +188,15 @@ def _count(values: int, infinite: int) -> dict[str, int]:
     return {"n": values - infinite, **({"infinite": infinite} if infinite else {})}
 
 
-def _difference(a: np.ndarray, b: np.ndarray, level: float) -> dict[str, Any]:
+def _difference(a: np.ndarray, b: np.ndarray, level: float, points: float | None) -> dict[str, Any]:
+    """The mean difference; of a share, in percentage points too, `points` to one of its units."""
     found = paired_difference(a, b, level)
+    gap = found.mean.value
+    in_points = {"points": None if gap is None else points * gap} if points is not None else {}
     return {
         **asdict(found.mean),
         "relative": found.relative,
+        **in_points,
         "p_t": found.p_t,
         "p_wilcoxon": found.p_wilcoxon,
     }

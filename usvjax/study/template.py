@@ -1,21 +1,18 @@
 """A study file to begin with: every key of a mission, what it means, and its default."""
 
 import dataclasses
-import inspect
 import json
 import math
-import re
 import textwrap
 from collections.abc import Iterator
 from typing import Any
 
-from usvjax.errors import BadInputError
 from usvjax.mission import Mission
 from usvjax.sections import Table
+from usvjax.study.meanings import meanings_of
 from usvjax.study.spec import StudyFile
 
 _WIDTH = 98
-_ENTRY = re.compile(r" {4}(\w+(?:, \w+)*): (.*)")
 _EPISODES = 1000
 
 
@@ -34,7 +31,7 @@ def template(kind: str, mission: Mission, plugin: str | None = None) -> str:
         f"# A study of kind {kind}. Keys that are commented out show their defaults.",
         "# Run it with: usvjax study FILE; see what it would run with: usvjax check FILE",
     ]
-    meanings = _meanings(StudyFile)
+    meanings = meanings_of(StudyFile)
     for field in dataclasses.fields(StudyFile):
         value = head.get(field.name, field.default)
         block = list(_key(field.name, meanings[field.name], value, field.name in head))
@@ -83,7 +80,7 @@ def _table(table: Table) -> Iterator[str]:
 
 
 def _fields(cls: type, table: Table, needed_given: bool) -> Iterator[str]:
-    meanings = _meanings(cls)
+    meanings = meanings_of(cls)
     for field in dataclasses.fields(cls):
         if field.name not in table.without:
             needed = field.default is dataclasses.MISSING
@@ -120,29 +117,3 @@ def toml(value: Any) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         return "inf" if value > 0 else "-inf"
     return repr(float(value)) if isinstance(value, float) else str(value)
-
-
-def _meanings(cls: type) -> dict[str, str]:
-    """What the docstring of a dataclass says of each of its fields.
-
-    Raises:
-        BadInputError: it says nothing of a field; names the field.
-    """
-    _, _, attributes = (inspect.getdoc(cls) or "").partition("Attributes:\n")
-    found: dict[str, str] = {}
-    names: list[str] = []
-    for line in attributes.splitlines():
-        if match := _ENTRY.fullmatch(line):
-            names = match[1].split(", ")
-            found.update(dict.fromkeys(names, match[2]))
-        elif line.startswith(" "):
-            found.update({name: f"{found[name]} {line.strip()}" for name in names})
-        elif line:  # another paragraph
-            break
-    missing = [f.name for f in dataclasses.fields(cls) if f.name not in found]
-    if missing:
-        raise BadInputError(
-            f"{cls.__name__}: its docstring says nothing of {missing[0]!r}; wanted an entry "
-            f"under 'Attributes:'"
-        )
-    return found

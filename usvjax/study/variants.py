@@ -1,12 +1,16 @@
 """What varies in a study: `[[conditions]]` one by one, crossed with the values of `[axes]`."""
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from usvjax.checks import shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.sections import Sections, check_dotted
+
+MAX_CONDITIONS = 10_000
+"""Conditions of a study: each is checked, posed and summarised on its own, in seconds."""
 
 
 def table_of(tables: Mapping[str, Any], name: str, where: str) -> Mapping[str, Any]:
@@ -33,7 +37,8 @@ def variants_of(
 
     Raises:
         BadTypeError: something that must be a table or a list is none.
-        BadInputError: a key that no table has, or one that varies in both ways.
+        BadInputError: a key that no table has, one that varies in both ways, or too many
+            combinations.
     """
     axes = _flatten(table_of(tables, "axes", where))
     check_dotted(axes, sections, f"{where}: [axes]")
@@ -42,7 +47,15 @@ def variants_of(
             raise BadTypeError(
                 f"{where}: [axes]: {shown(key)} must be a list of values, got {shown(values)}"
             )
-    for label, listed in _listed(tables, sections, where):
+    conditions = _listed(tables, sections, where)
+    count = len(conditions) * math.prod(map(len, axes.values()))
+    if count > MAX_CONDITIONS:
+        factors = [*([len(conditions)] if len(conditions) > 1 else []), *map(len, axes.values())]
+        raise BadInputError(
+            f"{where}: {' x '.join(f'{n:,}' for n in factors)} = {count:,} conditions; wanted at "
+            f"most {MAX_CONDITIONS:,}"
+        )
+    for label, listed in conditions:
         both = sorted(set(listed) & set(axes))
         if both:
             raise BadInputError(f"{where}: {shown(both[0])} is in both [[conditions]] and [axes]")

@@ -60,7 +60,7 @@ def fig2() -> Figure:
     for ax in axes:
         ax.plot(t, 2 - 2 * t / ITERATIONS, color=style.BLACK, label="linear (Eq. 2)")
         for pair, look in zip(PAIRS, _LAW_LOOKS, strict=True):
-            label = rf"Eq. 14, $\lambda_1$ = {pair[0]:g}, $\lambda_2$ = {pair[1]:g}"
+            label = f"Eq. 14, \u03bb\u2081 = {pair[0]:g}, \u03bb\u2082 = {pair[1]:g}"
             ax.plot(t, law(pair), color=look.colour, linestyle=look.line, label=label)
         ax.axhline(1.0, color=style.GREY, linewidth=0.8)
         ax.set_xlabel("iteration t")
@@ -90,6 +90,7 @@ def fig16(results: Results) -> Figure:
             t = np.arange(1, history.shape[1] + 1)
             ax.plot(t, history.mean(axis=0), color=look.colour, linestyle=look.line)
         ax.set(yscale="log", xlabel="iteration", ylabel="least value so far, mean")
+        style.plain_powers(ax.yaxis)
         ax.set_title(f"{function}, {TABLE_8[function].name}")
         ax.set_xlim(0, ITERATIONS)
     _legend(fig, marker=False)
@@ -148,7 +149,7 @@ def _zero_line(ax: Axes, floor: float) -> None:
     """Mark the place of 0, and no decade at it or below."""
     low, high = ax.get_ylim()
     ticks = [t for t in ax.get_yticks() if floor * 10 < t < high]
-    labels = [f"$\\mathdefault{{10^{{{round(np.log10(t))}}}}}$" for t in ticks]
+    labels = [f"1e{round(np.log10(t))}" for t in ticks]
     ax.axhline(floor, color=style.GREY, linestyle=":", linewidth=0.9, zorder=0)
     ax.set_yticks([floor, *ticks], ["0", *labels])
     ax.set_ylim(low, high)
@@ -156,6 +157,7 @@ def _zero_line(ax: Axes, floor: float) -> None:
 
 def _budget_axes(ax: Axes, title: str) -> None:
     ax.set(xscale="log", yscale="log", xlabel="iterations", ylabel="least value, mean")
+    style.plain_powers(ax.yaxis)
     ax.set_title(title)
     ticks = {_PUBLISHED_AT: "published", 200: "200", 500: "500", 1000: "1,000", 5000: "5,000"}
     ax.set_xlim(45, 6500)
@@ -178,6 +180,7 @@ def shift(found: Mapping[str, Any]) -> Figure:
         ax.set_xticks(range(len(order)), [ALGORITHMS[name].split()[0] for name in order])
         ax.set_xlim(-0.5, len(order) - 0.5)
         ax.set(yscale="log", ylabel="least value, median")
+        style.plain_powers(ax.yaxis)
         ax.set_title(f"{function}, {TABLE_8[function].name}")
     handles = [
         panels[0].plot([], [], marker="o", linestyle="none", color=style.BLACK, **face)[0]

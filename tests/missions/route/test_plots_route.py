@@ -1,6 +1,5 @@
 """Figures of routes: on charts, curvature, expanded cells, replanning, and those of a run."""
 
-import io
 import math
 
 import jax
@@ -10,7 +9,6 @@ import polars as pl
 import pytest
 from figure_checks import assert_inside, assert_labelled, legend_texts, texts_of
 from PIL import Image
-from rich.console import Console
 
 from usvjax import plots
 from usvjax.cli import main
@@ -24,6 +22,7 @@ from usvjax.plots.methods import plot_methods
 from usvjax.plots.route import busiest, closeup_width, length_words, view_around
 from usvjax.search.astar import astar
 from usvjax.search.replanning import dstar_lite
+from usvjax.sheets import text_of
 from usvjax.study import load_run, load_spec, run_study
 from usvjax.study.figures import figures_for_run
 from usvjax.study.report import terminal
@@ -300,12 +299,10 @@ def test_a_run_of_routes_has_a_film_and_a_track(run, tmp_path):
 
 
 def test_the_tables_of_a_run_fit_80_columns(run):
-    console = Console(width=80, record=True, file=io.StringIO())
-    console.print(terminal(load_run(run).summary()))
-    shown = console.export_text()
+    shown = text_of(terminal(load_run(run).summary()), 80)
     assert "Unreachable" in shown
     assert "Out of budget" not in shown
-    assert "…" not in shown
+    assert max(map(len, shown.splitlines())) <= 80
 
 
 def test_a_run_on_another_map_is_not_drawn(run, tmp_path):

@@ -20,13 +20,11 @@ from usvjax.plots.chart import detail, plot_chart
 from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.examples import middle_job, spread_jobs
 from usvjax.plots.film import Film
+from usvjax.plots.overview import MOST_CONDITIONS
 from usvjax.plots.paths import Ending, plot_paths
 from usvjax.plots.rates import plot_success
 from usvjax.study import Run
 from usvkernels.status import EPISODE_ENDINGS
-
-MOST_CONDITIONS = 24
-"""Conditions of one figure; a study with more has several of its kind."""
 
 _AXES = {"params.radius", "maps.rate"}
 
@@ -38,18 +36,18 @@ def dwa_figures(run: Run, replay: Replay) -> Iterator[tuple[str, Figure]]:
 
     - success: rates of every ending, against radius and obstacle rate where the study varies
       just these;
-    - distributions: time and length over the episodes in which all methods reached;
+    - distributions: time and length over the episodes in which all methods reached; neither
+      where there are so many conditions that an overview is drawn in their place;
     - of each of the first conditions, episodes simulated again: on obstacle maps the paths of
       all methods on one map ("paths"), on a chart many trajectories by outcome, per method
       ("chart"), and the part of it in which most failed ("detail").
     """
     table = run.table()
-    for page, part in _pages(table):
-        yield f"success{page}", _success(run, part)
-    for page, part in _pages(table):
-        if not both_reached(part).is_empty():
-            fig = plot_distributions(part, labels=run.labels, title=run.name)
-            yield f"distributions{page}", fig
+    if len(run.settings) <= MOST_CONDITIONS:
+        yield "success", _success(run, table)
+        if not both_reached(table).is_empty():
+            fig = plot_distributions(table, labels=run.labels, title=run.name)
+            yield "distributions", fig
     for condition in range(min(replay.examples, len(run.settings))):
         mine = table.filter(pl.col("condition") == condition)
         if mine.is_empty():
@@ -58,14 +56,6 @@ def dwa_figures(run: Run, replay: Replay) -> Iterator[tuple[str, Figure]]:
             yield from _charts(run, replay, mine, condition)
         else:
             yield f"paths-c{condition}", _example(run, replay, condition)
-
-
-def _pages(table: pl.DataFrame) -> Iterator[tuple[str, pl.DataFrame]]:
-    """Yield ("", "-2", "-3" ..., rows) with no more conditions than one figure can label."""
-    conditions = table["condition"].unique().sort().to_list()
-    for page, first in enumerate(range(0, len(conditions), MOST_CONDITIONS), start=1):
-        part = table.filter(pl.col("condition").is_in(conditions[first : first + MOST_CONDITIONS]))
-        yield ("" if page == 1 else f"-{page}"), part
 
 
 def _success(run: Run, table: pl.DataFrame) -> Figure:
@@ -93,16 +83,16 @@ def _charts(
             continue
         found = replay(condition, method, spread_jobs(mine, replay.most))
         name = f"chart-c{condition}-{method}"
-        yield name, _chart(run, found, None, len(mine))
+        yield name, _chart(run, found, None, mine)
         posed: DwaPosed = found.scene
         assert posed.grid_map is not None
         width = _detail_width(posed)
         view = detail(posed.grid_map, _trajectories(found), found.columns["status"], width)
         if view is not None:
-            yield f"{name}-detail", _chart(run, found, view, len(mine))
+            yield f"{name}-detail", _chart(run, found, view, mine)
 
 
-def _chart(run: Run, found: Replayed, view: View | None, episodes: int) -> Figure:
+def _chart(run: Run, found: Replayed, view: View | None, rows: pl.DataFrame) -> Figure:
     posed: DwaPosed = found.scene
     assert posed.grid_map is not None
     title = found.label if found.label.startswith(run.name) else f"{run.name}, {found.label}"
@@ -111,7 +101,7 @@ def _chart(run: Run, found: Replayed, view: View | None, episodes: int) -> Figur
         _trajectories(found),
         found.columns["status"],
         max_paths=len(found.jobs),
-        sampled_from=episodes,
+        sample_of=rows["status"].to_numpy(),
         view=view,
         title=title if view is None else f"{title}, where most failed",
     )

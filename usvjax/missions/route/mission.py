@@ -74,7 +74,7 @@ class RouteMission:
         Metric("cost", "m", "With turn cost"),
         Metric("turns", "", "Turns", integer=True),
         Metric("sharp_turns", "", "Sharp turns", integer=True),
-        Metric("sailable", "", "Sailable (share)", integer=True),
+        Metric("sailable", "", "Sailable (share)", integer=True, share=True),
         Metric("turning", "rad", "Turning"),
         Metric("min_clearance", "m", "Min clearance"),
         Metric("expanded", "", "Expanded", integer=True),
