@@ -239,7 +239,10 @@ def allocate(corners: Corners, templates: Templates, usable: Array) -> Array:
         return (jnp.min(paths, axis=1) + price, after), source
 
     by_corner = (price, before, after, corners.segment[:, :-1])
-    first = (jnp.zeros((rows, count + 1), jnp.int32), jnp.zeros((rows, count + 1)))
+    first = (
+        jnp.zeros((rows, count + 1), jnp.int32),
+        jnp.zeros((rows, count + 1), templates.before.dtype),
+    )
     (best, _), source = jax.lax.scan(
         extend, first, jax.tree.map(lambda a: a.swapaxes(0, 1), by_corner)
     )
