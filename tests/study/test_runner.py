@@ -17,8 +17,8 @@ from usvjax.mission import Outcome
 from usvjax.study import load_run, parse_spec, run_study
 from usvjax.study.figures import figures_for_run
 from usvjax.study.report import terminal
-from usvjax.study.runner import StudyStoppedError, pick_devices, unit_jobs
-from usvjax.study.store import Unit
+from usvjax.study.runner import StudyStoppedError, pick_devices
+from usvjax.study.shards import Unit
 
 
 class Recorder:
@@ -169,7 +169,7 @@ def test_results_do_not_depend_on_shards_order_or_devices(tmp_path, finished):
 
 
 def test_last_shard_is_partial():
-    assert len(unit_jobs(parse_spec(toy_study()), Unit(0, 2))) == 50
+    assert len(parse_spec(toy_study()).layout.jobs(Unit(0, 2))) == 50
 
 
 def test_running_again_computes_nothing_and_changes_nothing(tmp_path, finished, monkeypatch):
@@ -190,9 +190,9 @@ def test_missing_shards_are_computed_again(tmp_path, finished):
         shard.unlink()
     listener = Recorder()
     run_study(parse_spec(toy_study()), tmp_path / "reference", listener=listener)
+    layout = parse_spec(toy_study()).layout
     assert sum(listener.advanced) == sum(
-        len(unit_jobs(parse_spec(toy_study()), Unit(0, int(s.name[8:13])))) * 2
-        for s in shards[1::2]
+        layout.rows(Unit(0, int(s.name[8:13]))) for s in shards[1::2]
     )
     assert run_files(finished.path) == before
 

@@ -1,7 +1,9 @@
 """`usvjax study`: run a study with a progress bar, then show what it found."""
 
 import json
+import os
 import shlex
+import sys
 from pathlib import Path
 from types import TracebackType
 from typing import Annotated
@@ -66,6 +68,8 @@ def study(
         had = f"stopped with {stop.done:,} of {stop.total:,} episodes on disk"
         raise KeyboardInterrupt(f"{had}; continue with: {command}") from None
     figures = [] if no_figures else _figures(result.path, file.parent)
+    if not result.written:
+        _tell(f"{result.path} may only be read; its summary was computed and not written")
     if as_json:
         found = {"run": str(result.path), "figures": list(map(str, figures))}
         print(json.dumps({**found, "summary": result.summary}))
@@ -73,16 +77,27 @@ def study(
     console = Console(highlight=False, markup=False)
     console.print(terminal(result.summary))
     console.print(f"Run      {result.path}", soft_wrap=True)
-    console.print(f"Summary  {result.path / 'summary.md'}", soft_wrap=True)
+    if result.written:
+        console.print(f"Summary  {result.path / 'summary.md'}", soft_wrap=True)
     for figure in figures:
         console.print(f"Figure   {figure}", soft_wrap=True)
 
 
 def _figures(run: Path, folder: Path) -> list[Path]:
-    """Draw the figures of a run; files that its study names are relative to `folder`."""
-    from usvjax.study.figures import figures_for_run
+    """The figures of a run, drawn unless they are there; `folder` is that of its study."""
+    from usvjax.study.figures import figures_as_drawn, figures_for_run
 
+    drawn = figures_as_drawn(run, folder)
+    if drawn is not None:
+        return drawn
+    if not os.access(run, os.W_OK):
+        _tell(f"{run} may only be read; its figures are not drawn")
+        return []
     return figures_for_run(run, folder=folder)
+
+
+def _tell(line: str) -> None:
+    print("usvjax:", line, file=sys.stderr)
 
 
 class _Bar:

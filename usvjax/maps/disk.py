@@ -1,10 +1,26 @@
 """Reading and writing whole files: one clear error, and never half a file."""
 
+import hashlib
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from usvjax.errors import BadInputError
+
+_NOTED: ContextVar[dict[Path, str] | None] = ContextVar("noted", default=None)
+
+
+@contextmanager
+def noting_reads() -> Iterator[dict[Path, str]]:
+    """Note every file that is read within: SHA-256 of its content, by its path as it was asked."""
+    noted: dict[Path, str] = {}
+    before = _NOTED.set(noted)
+    try:
+        yield noted
+    finally:
+        _NOTED.reset(before)
 
 
 def read_bytes(path: Path) -> bytes:
@@ -14,11 +30,14 @@ def read_bytes(path: Path) -> bytes:
         BadInputError: it is missing, a directory, not permitted, or cannot be read.
     """
     try:
-        return path.read_bytes()
+        content = path.read_bytes()
     except FileNotFoundError:
         raise BadInputError(f"{path}: no such file") from None
     except OSError as error:
         raise BadInputError(f"{path}: cannot be read ({error.strerror})") from error
+    if (noted := _NOTED.get()) is not None:
+        noted[path] = hashlib.sha256(content).hexdigest()
+    return content
 
 
 def write_all(files: Mapping[Path, bytes]) -> None:

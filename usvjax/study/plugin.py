@@ -8,6 +8,7 @@ may bring files of one name, and a changed file is another module.
 import hashlib
 import importlib.util
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -33,12 +34,14 @@ class Plugin:
         path: of the file.
         source: its content, with which another process can import it.
         digest: of its place, its content, and that of the files it imports from beside it.
+        beside: SHA-256 of these files and of itself, by name relative to its folder.
     """
 
     name: str
     path: Path
     source: bytes
     digest: str
+    beside: Mapping[str, str]
 
     def load(self, where: str = "the study") -> None:
         """Import the file and make its missions known.
@@ -97,15 +100,16 @@ def read_plugin(name: str, folder: Path, where: str) -> Plugin:
     path = (folder / name).resolve()
     try:
         source = path.read_bytes()
-        parts = {"": str(path).encode(), **beside(path)}
+        found = beside(path)
     except OSError as error:
         raise BadInputError(f"{where}: cannot read the plugin {name!r}: {error.strerror}") from None
     except SyntaxError as error:
         raise BadInputError(f"{where}: the plugin {name!r} fails: SyntaxError: {error}") from None
     digest = hashlib.sha256()
-    for key, part in sorted(parts.items()):
+    for key, part in sorted({"": str(path).encode(), **found}.items()):
         digest.update(key.encode() + b"\0" + part + b"\0")
-    return Plugin(name, path, source, digest.hexdigest()[:16])
+    each = {key: hashlib.sha256(part).hexdigest() for key, part in found.items()}
+    return Plugin(name, path, source, digest.hexdigest()[:16], each)
 
 
 def _imported(plugin: Plugin) -> ModuleType:
@@ -114,7 +118,7 @@ def _imported(plugin: Plugin) -> ModuleType:
     if name in sys.modules:
         return sys.modules[name]
     folder = plugin.path.parent
-    _forget(folder)
+    _forget(plugin)
     spec = importlib.util.spec_from_loader(name, loader=None, origin=str(plugin.path))
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
@@ -133,9 +137,13 @@ def _imported(plugin: Plugin) -> ModuleType:
     return module
 
 
-def _forget(folder: Path) -> None:
+def _forget(plugin: Plugin) -> None:
     """Let modules from beside a plug-in be imported anew: they may have changed."""
+    folder = plugin.path.parent
+    imported = {folder / name for name in plugin.beside}
     for name, module in list(sys.modules.items()):
         file = getattr(module, "__file__", None)
-        if file and Path(file).parent == folder and not name.startswith((PREFIX, "__main__")):
+        if not file or name.startswith((PREFIX, "__main__")):
+            continue
+        if Path(file).parent == folder or Path(file) in imported:
             del sys.modules[name]

@@ -18,17 +18,10 @@ import polars as pl
 
 from usvjax.errors import BadInputError
 from usvjax.study.looks import look_level, look_schedule, narrow_enough
+from usvjax.study.shards import KEY_COLUMNS, Unit
 from usvjax.study.spec import StudySpec
-from usvjax.study.store import RunDirectory, Unit
+from usvjax.study.store import RunDirectory
 from usvjax.study.timings import Timings
-
-KEY_COLUMNS = {
-    "condition": pl.Int32,
-    "job": pl.Int32,
-    "method": pl.String,
-    "status": pl.Int32,
-}
-"""Columns of every result table, before the metrics of its kind."""
 
 
 class Listener(Protocol):
@@ -150,12 +143,6 @@ def pick_devices(count: int | None) -> tuple[jax.Device, ...]:
     return tuple(devices[:count])
 
 
-def unit_jobs(spec: StudySpec, unit: Unit) -> np.ndarray:
-    """Return the job numbers of a unit, int64[J]."""
-    first = unit.shard * spec.shard
-    return np.arange(first, min(first + spec.shard, spec.episodes))
-
-
 def _units(spec: StudySpec, conditions: Sequence[int], episodes: int) -> Iterator[Unit]:
     """Yield the units that cover the first `episodes` of some conditions.
 
@@ -191,8 +178,8 @@ class _Crew:
         self.devices = devices
         self.listener = listener
         self.timings = Timings(run, devices)
-        self.total = spec.episodes * len(spec.conditions) * len(spec.methods)
-        self.done = sum(self._episodes(unit) for unit in run.done)
+        self.total = spec.layout.all_rows
+        self.done = self._on_disk()
         listener.begin(self.done, self.total)
 
     def run(self, units: Iterable[Unit]) -> None:
@@ -220,7 +207,7 @@ class _Crew:
             self.listener.stopping()
             for thread in threads:
                 thread.join()
-            self.done = sum(self._episodes(unit) for unit in self.directory.done)
+            self.done = self._on_disk()
             raise StudyStoppedError(self.done, self.total) from None
 
     def _follow(
@@ -245,8 +232,8 @@ class _Crew:
             else:
                 unit, seconds = news
                 self.timings.add(unit, seconds)
-                self.done += self._episodes(unit)
-                self.listener.advance(self._episodes(unit))
+                self.done += self.spec.layout.rows(unit)
+                self.listener.advance(self.spec.layout.rows(unit))
         if error is not None:
             raise error
 
@@ -273,8 +260,8 @@ class _Crew:
         finally:
             finished.put(None)
 
-    def _episodes(self, unit: Unit) -> int:
-        return len(unit_jobs(self.spec, unit)) * len(self.spec.methods)
+    def _on_disk(self) -> int:
+        return sum(map(self.spec.layout.rows, self.directory.done))
 
 
 def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame:
@@ -293,7 +280,7 @@ def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame
         RuntimeError: an episode has no ending, or a successful one has a NaN; names the job.
     """
     condition = spec.conditions[unit.condition]
-    jobs = unit_jobs(spec, unit)
+    jobs = spec.layout.jobs(unit)
     scene = spec.mission.pose(condition.case, spec.seed, jobs)  # once, for all methods
     tables = []
     count = len(spec.methods)

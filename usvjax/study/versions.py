@@ -1,7 +1,9 @@
 """What a run was made with: versions, device, and the very code."""
 
+import os
 import platform
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -15,8 +17,12 @@ COMPARED = {
     "jaxlib": "jaxlib version",
     "device": "device kind",
     "x64": "64-bit mode",
+    "xla_flags": "XLA_FLAGS",
 }
 """Entries of `environment` that decide results, with words for them; runs may not mix them."""
+
+_IDLE_FLAGS = ("xla_force_host_platform_device_count", "xla_dump_", "xla_log_", "xla_hlo_profile")
+"""Beginnings of flags that decide no result: how many devices there are, and what is told."""
 
 
 def environment(code: str) -> dict[str, Any]:
@@ -37,4 +43,21 @@ def environment(code: str) -> dict[str, Any]:
         **{name: version(name) for name in packages},
         "device": f"{device.platform} {device.device_kind}",
         "x64": bool(jax.config.read("jax_enable_x64")),
+        "xla_flags": xla_flags(os.environ.get("XLA_FLAGS", "")),
     }
+
+
+def xla_flags(text: str) -> str:
+    """The flags of XLA_FLAGS that may decide results, by name; of several of a name the last."""
+    if text and not text.lstrip().startswith("-"):
+        text = _content(text)
+    flags = {word.lstrip("-").partition("=")[0]: word for word in text.split()}
+    return " ".join(flags[name] for name in sorted(flags) if not name.startswith(_IDLE_FLAGS))
+
+
+def _content(name: str) -> str:
+    """What a file of flags holds, which XLA_FLAGS may name instead."""
+    try:
+        return Path(name).read_text()
+    except (OSError, UnicodeDecodeError):
+        return name
