@@ -5,6 +5,7 @@ import os
 import random
 import shutil
 import socket
+from contextlib import suppress
 from pathlib import Path
 
 import polars as pl
@@ -73,8 +74,7 @@ def test_no_flipped_bit_is_silently_wrong(original, run):
             assert opened.summary() == summary, file
             assert opened.methods == ["plain", "better"], file
             assert opened.level == load_run(original).level, file
-        except BadInputError as error:
-            assert "\n" not in str(error)
+        except BadInputError:
             refusals += 1
         shutil.copy(original / file, run / file)
     assert refusals > FLIPS / 2
@@ -102,10 +102,8 @@ def test_no_bytes_make_the_reader_of_parquet_panic(run, capfd):
         path.unlink()
         path = path.with_name(f"c0000-s000000-{digest(broken)[:16]}.parquet")
         path.write_bytes(broken)
-        try:
+        with suppress(BadInputError):
             load_run(run).table()
-        except BadInputError as error:
-            assert "\n" not in str(error)
     capfd.readouterr()
 
 
