@@ -138,12 +138,20 @@ def _imported(plugin: Plugin) -> ModuleType:
 
 
 def _forget(plugin: Plugin) -> None:
-    """Let modules from beside a plug-in be imported anew: they may have changed."""
+    """Let modules from beside a plug-in be imported anew: they may have changed.
+
+    So may those of its names that another plug-in brought, from beside itself.
+    """
     folder = plugin.path.parent
-    imported = {folder / name for name in plugin.beside}
     for name, module in list(sys.modules.items()):
         file = getattr(module, "__file__", None)
-        if not file or name.startswith((PREFIX, "__main__")):
-            continue
-        if Path(file).parent == folder or Path(file) in imported:
+        beside = bool(file) and Path(file).parent == folder
+        if name in _HELPERS or (beside and not name.startswith((PREFIX, "__main__"))):
             del sys.modules[name]
+    for file in plugin.beside:
+        parts = file.removesuffix(".py").removesuffix("/__init__").split("/")
+        _HELPERS.update(".".join(parts[:count]) for count in range(1, len(parts) + 1))
+
+
+_HELPERS: set[str] = set()
+"""Names of the modules that plug-ins have brought from beside themselves."""
