@@ -17,7 +17,8 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 """Names that the public contract reserves."""
 
 FLOORS = (
-    ("devices", "errors", "suggest", "exports", "version"),
+    ("errors", "suggest", "exports", "version"),
+    ("devices",),
     ("checks", "statistics", "batches", "programs", "tables"),
     ("keys", "memory", "sections"),
     ("maps",),

@@ -60,13 +60,15 @@ def study(
 
     use_compilation_cache()
     spec = load_spec(file)
+    again = shlex.join(["usvjax", "study", str(file), "--out", str(out)])
     try:
         with _Bar(spec.name, quiet) as bar:
             result = run_study(spec, out, devices=devices, listener=bar)
     except StudyStoppedError as stop:
-        command = shlex.join(["usvjax", "study", str(file), "--out", str(out)])
         had = f"stopped with {stop.done:,} of {stop.total:,} episodes on disk"
-        raise KeyboardInterrupt(f"{had}; continue with: {command}") from None
+        raise KeyboardInterrupt(f"{had}; continue with: {again}") from None
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted; continue with: {again}") from None
     figures = [] if no_figures else _figures(result.path, file.parent)
     if not result.written:
         _tell(f"{result.path} may only be read; its summary was computed and not written")
@@ -147,7 +149,9 @@ class _Bar:
 
     def stopping(self) -> None:
         """Say that Ctrl-C was understood."""
-        self._progress.console.print("stopping: finishing the shards under way ...")
+        self._progress.console.print(
+            "stopping: finishing the shards under way; Ctrl-C again stops at once ..."
+        )
 
 
 class _Episodes(ProgressColumn):

@@ -145,7 +145,7 @@ def _forget(plugin: Plugin) -> None:
     folder = plugin.path.parent
     for name, module in list(sys.modules.items()):
         file = getattr(module, "__file__", None)
-        beside = bool(file) and Path(file).parent == folder
+        beside = file is not None and Path(file).parent == folder
         if name in _HELPERS or (beside and not name.startswith((PREFIX, "__main__"))):
             del sys.modules[name]
     for file in plugin.beside:

@@ -16,6 +16,7 @@ import jax
 import numpy as np
 import polars as pl
 
+from usvjax.devices import local_devices
 from usvjax.errors import BadInputError
 from usvjax.study.looks import look_level, look_schedule, narrow_enough
 from usvjax.study.shards import KEY_COLUMNS, Unit
@@ -105,7 +106,7 @@ def run_episodes(
         StudyStoppedError: on Ctrl-C, after the shards under way were written.
         RuntimeError: the mission returned NaN or an unfinished episode.
     """
-    crew = _Crew(spec, run, tuple(devices or jax.local_devices()), listener or Silent())
+    crew = _Crew(spec, run, tuple(devices or local_devices()), listener or Silent())
     looks = look_schedule(spec.episodes, spec.shard, spec.until)
     level = look_level(spec.confidence, len(looks))
     episodes = [0] * len(spec.conditions)
@@ -130,9 +131,9 @@ def pick_devices(count: int | None) -> tuple[jax.Device, ...]:
     """Return the first `count` local devices, all when None.
 
     Raises:
-        BadInputError: there are not that many, or `count` is below 1.
+        BadInputError: there are not that many, `count` is below 1, or JAX cannot start.
     """
-    devices = jax.local_devices()
+    devices = local_devices()
     if count is None:
         return tuple(devices)
     if not 1 <= count <= len(devices):
@@ -178,6 +179,7 @@ class _Crew:
         self.devices = devices
         self.listener = listener
         self.timings = Timings(run, devices)
+        self.abandoned = threading.Event()
         self.total = spec.layout.all_rows
         self.done = self._on_disk()
         listener.begin(self.done, self.total)
@@ -191,6 +193,7 @@ class _Crew:
                 missing.put(unit)
         if missing.empty():
             return
+        self.directory.check_writable()
         finished: queue.SimpleQueue[tuple[Unit, float] | BaseException | None]
         finished = queue.SimpleQueue()
         stop = threading.Event()
@@ -204,9 +207,12 @@ class _Crew:
             self._follow(finished, len(threads), stop)
         except KeyboardInterrupt:
             stop.set()
-            self.listener.stopping()
-            for thread in threads:
-                thread.join()
+            try:
+                self.listener.stopping()
+                for thread in threads:
+                    thread.join()
+            except KeyboardInterrupt:
+                self.abandoned.set()
             self.done = self._on_disk()
             raise StudyStoppedError(self.done, self.total) from None
 
@@ -251,6 +257,8 @@ class _Crew:
                     unit = missing.get_nowait()
                     began = time.perf_counter()
                     table = run_unit(self.spec, unit, first_method=number)
+                    if self.abandoned.is_set():
+                        break  # nobody waits, and the run may be another process's by now
                     self.directory.write_shard(unit, table)
                     finished.put((unit, time.perf_counter() - began))
         except queue.Empty:

@@ -64,8 +64,8 @@ def run_study(
         BadTypeError: a value of the study has the wrong type.
         StudyStoppedError: on Ctrl-C; call again to continue.
     """
-    spec = study if isinstance(study, StudySpec) else load_spec(study)
     workers = pick_devices(devices)
+    spec = study if isinstance(study, StudySpec) else load_spec(study)
     path = Path(out) / spec.name
     plugin = spec.plugin.path if spec.plugin else None
     by = maker(plugin)

@@ -8,6 +8,7 @@ from typing import Any
 
 import jax
 
+from usvjax.devices import local_devices
 from usvjax.version import __version__
 
 COMPARED = {
@@ -34,7 +35,7 @@ def environment(code: str) -> dict[str, Any]:
     Returns:
         JSON-able entries; those in `COMPARED` must be equal for a run to be continued.
     """
-    device = jax.local_devices()[0]
+    device = local_devices()[0]
     packages = ("jax", "jaxlib", "numpy", "scipy", "polars")
     return {
         "usvjax": __version__,
