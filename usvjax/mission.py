@@ -17,6 +17,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from usvjax.maps import GridMap
+from usvjax.maps.disk import read_bytes
 from usvjax.sections import Table
 
 
@@ -57,6 +58,16 @@ class Files:
     def table(self, name: str) -> str:
         """What messages call a table."""
         return f"{self.where}: [{name}]"
+
+    def read(self, name: str) -> bytes:
+        """The content of a file that a table names, of which the run will hold a copy.
+
+        A digest of it belongs into `Case.inputs`: without, a run is continued with a changed file.
+
+        Raises:
+            BadInputError: it cannot be read.
+        """
+        return read_bytes(self.folder / name)
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ class Charted(ToyMission):
         places = read_table(Places, tables["places"], files.table("places"))
         grid, mark = read_chart(places.map, None, 1, files.folder, "it")
         params = ToyParams(radius=RADIUS + grid.free_share)
-        inputs = {places.map: mark}
+        inputs = {places.map: mark, "rates.txt": files.read("rates.txt").decode()}
         if places.scen is not None:
             scen = read_scen(places.scen, None, 1.0, files.folder, "it")
             inputs[places.scen] = str(scen.lengths.sum())
@@ -71,6 +71,7 @@ def study(root, plugin="mine.py", map="pond.map", scen=""):
     (here / "helpers").mkdir(parents=True)
     maps.mkdir()
     (here / "mine.py").write_text(PLUGIN)
+    (here / "rates.txt").write_text("0.5")
     (here / "helpers" / "__init__.py").write_text("SCALE = 1.0\n")
     (here / "helpers" / "shared.py").write_text("from . import SCALE\nRADIUS = 0.5 * SCALE\n")
     for folder in (here, maps):
@@ -87,7 +88,7 @@ def held(run):
     return {p.relative_to(run / "files").as_posix() for p in run.rglob("files/**/*") if p.is_file()}
 
 
-PLUGIN_FILES = {"mine.py", "helpers/__init__.py", "helpers/shared.py"}
+PLUGIN_FILES = {"mine.py", "rates.txt", "helpers/__init__.py", "helpers/shared.py"}
 
 
 @pytest.mark.parametrize(
@@ -134,7 +135,17 @@ def test_a_name_relative_to_where_one_works_is_held_as_well(tmp_path, monkeypatc
     assert figures_for_run(run)
 
 
-def test_a_changed_file_is_refused_by_the_study_and_where_it_is_seen(tmp_path):
+def test_a_changed_file_of_a_plugin_is_refused(tmp_path):
+    file = study(tmp_path)
+    run = run_study(file, tmp_path / "runs").path
+    (file.parent / "rates.txt").write_text("0.6")
+    with pytest.raises(BadInputError, match=r"inputs.rates.txt is .0\.5. there and .0\.6. here"):
+        run_study(file, tmp_path / "runs")
+    with pytest.raises(BadInputError, match=r"rates\.txt is not what .* was made with"):
+        Replay(load_run(run), file.parent)(0, "plain", [0])
+
+
+def test_a_changed_map_is_refused_by_the_study_and_where_it_is_seen(tmp_path):
     file = study(tmp_path)
     run = run_study(file, tmp_path / "runs").path
     save_map(GridMap(~blocked(), cell_size=2.0, origin=(3.0, 4.0)), file.parent / "pond.map")
