@@ -10,7 +10,7 @@ import pytest
 from study_fake import run_files, toy_study
 
 from usvjax.errors import BadInputError
-from usvjax.study import folder, load_run, parse_spec, run_study
+from usvjax.study import folder, load_run, parse_spec, run_study, store
 from usvjax.study.held import NOTHING
 from usvjax.study.manifest import manifest_of
 from usvjax.study.runner import run_unit
@@ -124,6 +124,20 @@ def test_a_directory_in_use_is_refused(tmp_path):
         refused(tmp_path, "in use by another usvjax process")
         other.communicate()
     run_study(parse_spec(toy_study()), tmp_path)
+
+
+def test_a_run_that_another_began_just_before_the_lock_is_not_mixed(tmp_path, monkeypatch):
+    locked = store._locked
+
+    def late(path):
+        monkeypatch.setattr(store, "_locked", locked)
+        run_study(parse_spec(toy_study(seed=8)), tmp_path)
+        return locked(path)
+
+    monkeypatch.setattr(store, "_locked", late)
+    with pytest.raises(BadInputError, match="seed is 8 there and 7 here"):
+        run_study(parse_spec(toy_study()), tmp_path)
+    assert run_study(parse_spec(toy_study(seed=8)), tmp_path).summary["study"]["seed"] == 8
 
 
 @pytest.mark.parametrize("cut", [0, 1, 100, -1])

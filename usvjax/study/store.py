@@ -81,22 +81,19 @@ class RunDirectory:
         path = Path(path)
         layout = Layout.of(manifest["study"])
         _check_is_ours(path)
-        begun = os.path.lexists(path / MANIFEST)
-        if begun:
-            found = read_manifest(path)
-            check_same(path, found, manifest)
-            if not os.access(path, os.W_OK):
-                return cls(path, layout, None)
+        if _begun(path, manifest) and not os.access(path, os.W_OK):
+            return cls(path, layout, None)
         check_no_link(path / FILES)
         with _writing(path, layout):
             path.mkdir(parents=True, exist_ok=True)
             make_folder(path / shards.FOLDER)
             lock = _locked(path)
         try:
+            begun = _begun(path, manifest)  # once more: others may have, until it was locked
             run = cls(path, layout, lock)
             with _writing(path, layout):
-                held.write(path, found["files"] if begun else manifest["files"])
-            if not begun:
+                held.write(path, (begun or manifest)["files"])
+            if begun is None:
                 run.write_json(MANIFEST, manifest)
         except BaseException:
             os.close(lock)
@@ -190,6 +187,15 @@ def leftovers(path: Path) -> list[Path]:
     folders = [path, path / shards.FOLDER]
     names = [(f, name) for f in folders if f.is_dir() for name in os.listdir(f)]
     return [folder / name for folder, name in names if name.startswith(TEMPORARY)]
+
+
+def _begun(path: Path, wanted: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The manifest of a run that is there, which must be of the same study and versions."""
+    if not os.path.lexists(path / MANIFEST):
+        return None
+    found = read_manifest(path)
+    check_same(path, found, wanted)
+    return found
 
 
 def _check_is_ours(path: Path) -> None:
