@@ -236,6 +236,34 @@ def test_a_study_plots_a_map_beside_it_from_anywhere(lake_run, tmp_path, monkeyp
     assert all((tmp_path / "elsewhere" / figure).is_file() for figure in figures)
 
 
+def test_a_study_that_is_shown_again_draws_nothing(tmp_path, monkeypatch, capsys):
+    (tmp_path / "toy.toml").write_text('name = "toy"\nkind = "toy"\nepisodes = 6\n')
+    command = ["study", str(tmp_path / "toy.toml"), "--out", str(tmp_path), "--quiet"]
+    assert main(command) == 0
+    shown = capsys.readouterr().out
+    assert str(tmp_path / "toy" / "figures" / "times.csv") in shown
+    monkeypatch.setattr("usvjax.study.figures.figures_for_run", None)
+    monkeypatch.setattr("usvjax.study.study.summarise", None)
+    assert main(command) == 0
+    assert capsys.readouterr().out == shown
+
+
+def test_a_study_that_may_only_be_read_is_shown_without_new_figures(tmp_path, monkeypatch, capsys):
+    (tmp_path / "toy.toml").write_text('name = "toy"\nkind = "toy"\nepisodes = 6\n')
+    command = ["study", str(tmp_path / "toy.toml"), "--out", str(tmp_path), "--quiet"]
+    assert main([*command, "--no-figures"]) == 0
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    (tmp_path / "toy" / "finished.json").unlink()
+    capsys.readouterr()
+    assert main(command) == 0
+    out, err = capsys.readouterr()
+    assert f"Run      {tmp_path / 'toy'}\n" in out
+    assert err.splitlines() == [
+        f"usvjax: {tmp_path / 'toy'} may only be read; its figures are not drawn",
+        f"usvjax: {tmp_path / 'toy'} may only be read; its summary was computed and not written",
+    ]
+
+
 def test_figures_without_examples_need_no_simulation(lattice_run, tmp_path, monkeypatch):
     run = copy_of(lattice_run, tmp_path)
     monkeypatch.setattr(Replay, "__call__", None)

@@ -2,6 +2,8 @@
 
 import io
 import json
+import signal
+import threading
 import time
 
 import jax
@@ -223,6 +225,23 @@ def test_interrupt_finishes_the_shards_under_way_and_resumes(tmp_path, finished,
     assert load_run(path).table().height == on_disk
     run_study(parse_spec(toy_study()), tmp_path / "stopped")
     assert run_files(path) == run_files(finished.path)
+
+
+def test_a_second_interrupt_waits_for_no_shard_and_keeps_none(tmp_path):
+    class Impatient(Recorder):
+        def begin(self, done: int, total: int) -> None:
+            super().begin(done, total)
+            threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+
+        def stopping(self) -> None:
+            raise KeyboardInterrupt
+
+    began = time.monotonic()
+    with pytest.raises(StudyStoppedError, match="stopped after 0 of 1000"):
+        run_study(parse_spec(toy_study(params={"sleep": 1.0})), tmp_path, listener=Impatient())
+    assert time.monotonic() - began < 1.5
+    time.sleep(3.0)
+    assert not list((tmp_path / "toy" / "shards").iterdir())
 
 
 @pytest.mark.parametrize(
