@@ -192,6 +192,17 @@ def test_a_damaged_copy_is_refused_and_copied_again(tmp_path, name):
         assert copy.read_bytes() == whole
 
 
+def test_copies_are_not_written_through_a_link(tmp_path):
+    file = study(tmp_path, map="../maps/pond.map")
+    run = run_study(file, tmp_path / "runs").path
+    shutil.rmtree(run / "files" / "maps")
+    (tmp_path / "elsewhere").mkdir()
+    (run / "files" / "maps").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(BadInputError, match=r"files/maps is a link; nothing is written"):
+        run_study(file, tmp_path / "runs")
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
 def test_a_manifest_cannot_name_files_outside_the_run(tmp_path):
     run = run_study(study(tmp_path), tmp_path / "runs").path
     manifest = json.loads((run / "manifest.json").read_text())
