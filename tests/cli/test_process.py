@@ -98,7 +98,8 @@ def test_a_second_signal_stops_at_once_and_says_it_too(study):
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_while_importing_is_one_line(tmp_path, number, code):
     (tmp_path / "slow.py").write_text(
-        "import time\ntry:\n    print('importing', flush=True)\n    time.sleep(60)\nexcept BaseException:\n    raise ImportError('half')\n"
+        "import time\ntry:\n    print('importing', flush=True)\n    time.sleep(60)\n"
+        "except BaseException:\n    raise ImportError('half')\n"
     )
     (tmp_path / "slow.toml").write_text(
         'name = "slow"\nepisodes = 1\nkind = "slow"\nplugin = "by.py"\n'
