@@ -7,6 +7,7 @@ folder there is `_/_/...`, as deep as names with ".." go up from it.
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -125,7 +126,10 @@ def held_folder(run: Path, entry: Mapping[str, Any]) -> Path:
             raise BadInputError(
                 f"{place} is missing or damaged; run the study again, which replaces it"
             )
-    return run / _base(entry)
+    base = run / _base(entry)
+    with suppress(OSError):
+        base.mkdir(parents=True, exist_ok=True)  # git, for one, copies no empty folder
+    return base
 
 
 def are_beside(folder: Path, entry: Mapping[str, Any]) -> bool:
