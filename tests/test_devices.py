@@ -83,6 +83,79 @@ def test_compilation_cache_is_used(tmp_path: Path) -> None:
     assert Path(home) == tmp_path / ".cache" / "usvjax" / "compiled"
 
 
+SETTINGS = (
+    "from usvjax.devices import use_compilation_cache as u; u()\n"
+    "import jax; print(jax.config.jax_compilation_cache_dir)\n"
+    "print(jax.config.jax_persistent_cache_min_compile_time_secs)\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("before", "variables", "folder", "seconds"),
+    [
+        ("", {}, "{}/usvjax/compiled", 0.1),
+        ("", {"JAX_COMPILATION_CACHE_DIR": "{}/mine"}, "{}/mine", 0.1),
+        (
+            "import jax; jax.config.update('jax_compilation_cache_dir', '{}/mine')\n",
+            {},
+            "{}/mine",
+            0.1,
+        ),
+        ("", {"JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "1"}, "{}/usvjax/compiled", 1.0),
+        (
+            "import jax; jax.config.update('jax_persistent_cache_min_compile_time_secs', 7.0)\n",
+            {},
+            "{}/usvjax/compiled",
+            7.0,
+        ),
+    ],
+    ids=["ours", "variable", "config", "seconds by variable", "seconds by config"],
+)
+def test_what_the_user_has_set_of_the_cache_stays(
+    tmp_path: Path, before: str, variables: dict[str, str], folder: str, seconds: float
+) -> None:
+    place = str(tmp_path)
+    unset = {"JAX_COMPILATION_CACHE_DIR": "", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": ""}
+    given = {name: value.format(place) for name, value in variables.items()}
+    found = run_python(before.format(place) + SETTINGS, XDG_CACHE_HOME=place, **(unset | given))
+    assert found.split() == [folder.format(place), str(float(seconds))]
+
+
+def test_a_forked_child_of_a_running_jax_is_told_and_does_not_hang() -> None:
+    code = (
+        "import os, warnings, jax, usvjax as uj\n"
+        "from usvjax.devices import chosen_devices\n"
+        "warnings.simplefilter('ignore')\n"
+        "def child():\n"
+        "    if os.fork() == 0:\n"
+        "        try:\n"
+        "            chosen_devices()\n"
+        "        except uj.BadInputError as error:\n"
+        "            print('refused', 'spawn' in str(error), flush=True)\n"
+        "        os._exit(0)\n"
+        "    os.wait()\n"
+        "chosen_devices()\n"
+        "child()\n"
+    )
+    assert run_python(code) == "refused True"
+    early = code.replace("chosen_devices()\nchild", "child").replace(
+        "            chosen_devices()", "            print(len(chosen_devices()) > 0, flush=True)"
+    )
+    assert run_python(early) == "True"
+
+
+@pytest.mark.parametrize("platform", ["cuda", "nonsense"])
+def test_a_platform_that_is_not_there_is_one_line(platform: str) -> None:
+    code = (
+        "import numpy as np, usvjax as uj\n"
+        "try:\n    uj.astar(np.zeros((3, 3), bool), [0, 0], [2, 2])\n"
+        "except uj.BadInputError as error:\n    print(error)"
+    )
+    said = run_python(code, JAX_PLATFORMS=platform)
+    assert said.startswith(f"JAX cannot start on this machine with JAX_PLATFORMS={platform}; ")
+    assert "\n" not in said
+
+
 def test_chosen_devices() -> None:
     every = jax.local_devices()
     assert chosen_devices() == every

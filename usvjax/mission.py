@@ -17,7 +17,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from usvjax.maps import GridMap
+from usvjax.maps.disk import read_bytes
 from usvjax.sections import Table
+
+MOST_CONDITIONS = 12
+"""Of a study, which figures and a terminal show one by one: of more, one figure shows the success
+rate of all, and a terminal the ends of their ranking."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,16 @@ class Files:
     def table(self, name: str) -> str:
         """What messages call a table."""
         return f"{self.where}: [{name}]"
+
+    def read(self, name: str) -> bytes:
+        """The content of a file that a table names, of which the run will hold a copy.
+
+        A digest of it belongs into `Case.inputs`: without, a run is continued with a changed file.
+
+        Raises:
+            BadInputError: it cannot be read.
+        """
+        return read_bytes(self.folder / name)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 RESAMPLES = 999
 
@@ -105,7 +105,7 @@ def wilson(successes: int, n: int, level: float) -> Estimate:
     """
     if n == 0:
         return Estimate(None)
-    interval = stats.binomtest(successes, n).proportion_ci(level, method="wilson")
+    interval = scipy.stats.binomtest(successes, n).proportion_ci(level, method="wilson")
     return Estimate(successes / n, float(interval.low), float(interval.high))
 
 
@@ -170,7 +170,7 @@ def paired_difference(method: np.ndarray, baseline: np.ndarray, level: float) ->
     relative = mean / float(b.mean()) if has_ratio else None
     if n < 2 or difference.max() == difference.min():
         return PairedDifference(n, Estimate(mean), relative, None, None)
-    test = stats.ttest_rel(a, b)
+    test = scipy.stats.ttest_rel(a, b)
     interval = test.confidence_interval(level)
     return PairedDifference(
         n,
@@ -188,10 +188,10 @@ def _wilcoxon(difference: np.ndarray) -> float:
     a second in all; the sums of ranks of all patterns are the same numbers at once.
     """
     kept = difference[difference != 0.0]
-    ranks = stats.rankdata(np.abs(kept))
+    ranks = scipy.stats.rankdata(np.abs(kept))
     alike = len(kept) < len(difference) or len(np.unique(ranks)) < len(kept)
     if len(difference) > _MOST_FLIPPED or not alike:
-        return float(stats.wilcoxon(difference).pvalue)
+        return float(scipy.stats.wilcoxon(difference).pvalue)
     sums = np.zeros(1)
     for rank in ranks:
         sums = np.concatenate([sums, sums + rank])
@@ -219,12 +219,12 @@ def paired_rates(method: np.ndarray, baseline: np.ndarray, level: float) -> Pair
     counts = (n, both, gained, lost, n - both - gained - lost)
     if n == 0:
         return PairedRates(*counts, Estimate(None), None)
-    z = float(stats.norm.ppf(0.5 + level / 2.0))
+    z = float(scipy.stats.norm.ppf(0.5 + level / 2.0))
     total, b, c = n + 2.0, gained + 0.5, lost + 0.5
     centre = (b - c) / total
     half = z * math.sqrt((b + c) - (b - c) ** 2 / total) / total
     discordant = gained + lost
-    p = float(stats.binomtest(gained, discordant).pvalue) if discordant else 1.0
+    p = float(scipy.stats.binomtest(gained, discordant).pvalue) if discordant else 1.0
     difference = Estimate((gained - lost) / n, max(centre - half, -1.0), min(centre + half, 1.0))
     return PairedRates(*counts, difference, p)
 
@@ -251,7 +251,7 @@ def holm(p_values: Sequence[float | None], looks: int = 1) -> list[float | None]
 
 def _iqm(data: np.ndarray) -> np.ndarray:
     """Interquartile mean of each column."""
-    trimmed: np.ndarray = stats.trim_mean(data, _TRIM, axis=0)
+    trimmed: np.ndarray = scipy.stats.trim_mean(data, _TRIM, axis=0)
     return trimmed
 
 

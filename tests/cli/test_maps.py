@@ -61,14 +61,6 @@ def test_show_of_nothing_but_land_or_water(
     assert words in capsys.readouterr().out
 
 
-def test_show_of_cells_whose_area_is_beyond_a_float(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    save_map(GridMap(POND, 1e200), tmp_path / "a.map")
-    run("show", tmp_path / "a.map")
-    assert "inf km2" in capsys.readouterr().out
-
-
 def test_sketch_is_north_up_in_half_blocks() -> None:
     """Rows of POND from the south: ..#. / #... / ##.#; the odd one out fills its line."""
     assert sketch(POND, 80, 20).plain.splitlines() == ["█▀ ▀", "  █ "]

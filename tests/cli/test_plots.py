@@ -7,6 +7,7 @@ import numpy as np
 import polars as pl
 import pytest
 from PIL import Image
+from study_fake import rewrite_shards
 
 from usvjax.cli import main
 from usvjax.errors import BadInputError
@@ -133,10 +134,7 @@ def test_the_fan_on_a_chart_knows_the_shore_that_the_vessel_sensed(lake_run):
 @pytest.mark.parametrize(("column", "change"), [("steps", 1), ("path_length", 0.01)])
 def test_a_run_of_other_code_is_not_passed_off_as_the_table(lattice_run, tmp_path, column, change):
     run = copy_of(lattice_run, tmp_path)
-    for shard in (run / "shards").glob("*.parquet"):
-        table = pl.read_parquet(shard)
-        dtype = table.schema[column]
-        table.with_columns((pl.col(column) + change).cast(dtype)).write_parquet(shard)
+    rewrite_shards(run, lambda t: t.with_columns((pl.col(column) + change).cast(t.schema[column])))
     with pytest.raises(BadInputError, match=r"episode 5 goes otherwise here .* made with usvjax"):
         Replay(load_run(run))(0, "improved", [5])
 
@@ -155,10 +153,10 @@ def test_a_replay_refuses(lattice_run, condition, method, job, message):
         Replay(load_run(lattice_run))(condition, method, [job])
 
 
-def test_a_map_that_is_missing_or_changed_is_said(lake_run, tmp_path):
+def test_a_map_that_has_changed_is_said(lake_run, tmp_path):
     run = load_run(lake_run)
-    with pytest.raises(BadInputError, match=r"pond\.map"):
-        Replay(run, tmp_path)(0, "improved", [0])
+    Replay(run, tmp_path)(0, "improved", [0])  # not there: the run has it
+    shutil.copy(lake_run.parent.parent / "pond.json", tmp_path)
     save_map(GridMap(np.zeros((14, 18), bool)), tmp_path / "pond.map")
     with pytest.raises(BadInputError, match=r"pond\.map is not what .* was made with"):
         Replay(run, tmp_path)(0, "improved", [0])
@@ -238,6 +236,34 @@ def test_a_study_plots_a_map_beside_it_from_anywhere(lake_run, tmp_path, monkeyp
     assert all((tmp_path / "elsewhere" / figure).is_file() for figure in figures)
 
 
+def test_a_study_that_is_shown_again_draws_nothing(tmp_path, monkeypatch, capsys):
+    (tmp_path / "toy.toml").write_text('name = "toy"\nkind = "toy"\nepisodes = 6\n')
+    command = ["study", str(tmp_path / "toy.toml"), "--out", str(tmp_path), "--quiet"]
+    assert main(command) == 0
+    shown = capsys.readouterr().out
+    assert str(tmp_path / "toy" / "figures" / "times.csv") in shown
+    monkeypatch.setattr("usvjax.study.figures.figures_for_run", None)
+    monkeypatch.setattr("usvjax.study.study.summarise", None)
+    assert main(command) == 0
+    assert capsys.readouterr().out == shown
+
+
+def test_a_study_that_may_only_be_read_is_shown_without_new_figures(tmp_path, monkeypatch, capsys):
+    (tmp_path / "toy.toml").write_text('name = "toy"\nkind = "toy"\nepisodes = 6\n')
+    command = ["study", str(tmp_path / "toy.toml"), "--out", str(tmp_path), "--quiet"]
+    assert main([*command, "--no-figures"]) == 0
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    (tmp_path / "toy" / "finished.json").unlink()
+    capsys.readouterr()
+    assert main(command) == 0
+    out, err = capsys.readouterr()
+    assert f"Run      {tmp_path / 'toy'}\n" in out
+    assert err.splitlines() == [
+        f"usvjax: {tmp_path / 'toy'} may only be read; its figures are not drawn",
+        f"usvjax: {tmp_path / 'toy'} may only be read; its summary was computed and not written",
+    ]
+
+
 def test_figures_without_examples_need_no_simulation(lattice_run, tmp_path, monkeypatch):
     run = copy_of(lattice_run, tmp_path)
     monkeypatch.setattr(Replay, "__call__", None)
@@ -249,9 +275,7 @@ def test_figures_without_examples_need_no_simulation(lattice_run, tmp_path, monk
 
 def test_a_run_without_common_successes_has_no_distributions(lattice_run, tmp_path):
     run = copy_of(lattice_run, tmp_path)
-    for shard in (run / "shards").glob("*.parquet"):
-        table = pl.read_parquet(shard).with_columns(status=pl.lit(3, pl.Int32))
-        table.write_parquet(shard)
+    rewrite_shards(run, lambda table: table.with_columns(status=pl.lit(3, pl.Int32)))
     written = figures_for_run(run, max_examples=0)
     assert [path.name for path in written] == ["success.png"]
 

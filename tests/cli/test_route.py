@@ -131,7 +131,7 @@ def test_no_route_is_a_status_and_another_exit_code(chart, tmp_path, capsys):
     [
         (("--from", "7,3", "--to", "1,1"), "--from: 7,3 is blocked; the nearest free cell is 6,3"),
         (("--from", "1,1", "--to", "16,3"), "--to: 16,3 lies outside the map; wanted 0 <= X < 16"),
-        (("--from=-1,1", "--to", "2,3"), "--from: -1,1 lies outside the map"),
+        (("--from=-1,1", "--to", "2,3"), "--from: '-1,1' lies outside the map"),
         (("--from", "1", "--to", "2,3"), "--from: got '1'; wanted two whole numbers X,Y"),
         (("--from", "1.5,2", "--to", "2,3"), "--from: got '1.5,2'; wanted two whole numbers"),
         (("--from", "1,2,3", "--to", "2,3"), "--from: got '1,2,3'; wanted"),
@@ -154,8 +154,11 @@ def test_no_route_is_a_status_and_another_exit_code(chart, tmp_path, capsys):
             "usvjax: --max-expansions",
         ),
         (("--from", f"{10**20},3", "--to", "1,1"), f"--from: {10**20},3 lies outside the map"),
-        (("--from", f"{10**400},3", "--to", "1,1"), "3 lies outside the map; wanted 0 <= X < 16"),
-        (("--from", "1e300,3", "--to", "1,1", "--metres"), "--from: 1e300,3 lies outside the map"),
+        (("--from", f"{10**400},3", "--to", "1,1"), "3' lies outside the map; wanted 0 <= X < 16"),
+        (
+            ("--from", "1e300,3", "--to", "1,1", "--metres"),
+            "--from: '1e300,3' lies outside the map",
+        ),
         (("--from", "1,1"), "Missing from usvjax route: --to X,Y"),
         (("--from", "1,1", "--to", "2,3", "--connectivity", "6"), "invalid choice '6'"),
         (("--from", "1,1", "--to", "2,3", "--bogus"), "Unrecognized options: --bogus"),

@@ -1,9 +1,6 @@
 """The command line: studies from a shell, and one clear line for every mistake."""
 
 import json
-import os
-import signal
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,8 +11,6 @@ from usvjax import __version__
 from usvjax.cli import COMMANDS, main
 from usvjax.errors import BadInputError
 
-TESTS = Path(__file__).parents[1] / "oracles"
-
 STUDY = """
 name = "toy"
 kind = "toy"
@@ -25,16 +20,6 @@ shard = 100
 methods = ["plain", "better"]
 [axes]
 params.rate = [0.5, 0.9]
-"""
-
-MAIN = """
-import sys
-sys.path.insert(0, sys.argv.pop(1))
-import study_fake
-import usvjax.cli.study
-usvjax.cli.study._figures = lambda run, folder: []
-from usvjax.cli import main
-sys.exit(main())
 """
 
 
@@ -198,26 +183,6 @@ def test_each_command_teaches(name, capsys):
         main([name, "--help"])
     assert left.value.code == 0
     assert f"Example: usvjax {name}" in capsys.readouterr().out
-
-
-def test_ctrl_c_says_how_to_continue(study, tmp_path):
-    study.write_text(
-        STUDY.replace("episodes = 250", "episodes = 4000") + "[params]\nsleep = 0.05\n"
-    )
-    out = tmp_path / "runs"
-    command = [sys.executable, "-c", MAIN, str(TESTS), "study", str(study), "--out", str(out)]
-    env = os.environ | {"XDG_CACHE_HOME": str(tmp_path / "cache")}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=env) as run:
-        while not list(out.rglob("c*.parquet")):
-            assert run.poll() is None
-        run.send_signal(signal.SIGINT)
-        printed, err = (text.decode() for text in run.communicate(timeout=60))
-    assert run.returncode == 130
-    assert printed == ""
-    assert "stopping: finishing the shards under way" in err
-    last = err.splitlines()[-1]
-    assert last.startswith("usvjax: stopped with ")
-    assert last.endswith(f"continue with: usvjax study {study} --out {out}")
 
 
 def checkout(path: Path, monkeypatch) -> Path:

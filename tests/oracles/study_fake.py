@@ -1,17 +1,20 @@
 """A mission without simulation, for the tests of the study machinery."""
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import polars as pl
 
 from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Track
 from usvjax.registry import register_mission
 from usvjax.sections import Table
+from usvjax.study.manifest import read_manifest
+from usvjax.study.shards import Layout, encode_shard, find_shards
 from usvjax.study.spec import StudySpec
 from usvjax.tables import read_table
 from usvkernels.status import EPISODE_ENDINGS, Status
@@ -127,6 +130,14 @@ def toy_study(**changes: Any) -> dict[str, Any]:
         "axes": {"params.rate": [0.5, 0.9]},
     }
     return study | changes
+
+
+def rewrite_shards(run: Path, change: Callable[[pl.DataFrame], pl.DataFrame]) -> None:
+    """Change the rows of a run as other code would have written them."""
+    for unit, path in find_shards(run, Layout.of(read_manifest(run)["study"])).items():
+        name, content = encode_shard(unit, change(pl.read_parquet(path)))
+        path.unlink()
+        (path.parent / name).write_bytes(content)
 
 
 def run_files(path: Path) -> dict[str, bytes]:

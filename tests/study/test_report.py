@@ -5,11 +5,11 @@ import copy
 import pytest
 from study_fake import ToyMission, toy_study
 
-from usvjax.mission import Metric
+from usvjax.mission import MOST_CONDITIONS, Metric
 from usvjax.registry import register_mission
 from usvjax.sheets import text_of
 from usvjax.study import parse_spec, run_study
-from usvjax.study.report import FEW, MOST_CONDITIONS, markdown, terminal
+from usvjax.study.report import FEW, markdown, terminal
 
 
 @pytest.fixture(scope="module")

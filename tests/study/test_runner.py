@@ -1,6 +1,8 @@
 """Running studies: results, resuming, refusing, stopping."""
 
 import json
+import signal
+import threading
 import time
 
 import jax
@@ -16,8 +18,8 @@ from usvjax.sheets import text_of
 from usvjax.study import load_run, parse_spec, run_study
 from usvjax.study.figures import figures_for_run
 from usvjax.study.report import terminal
-from usvjax.study.runner import StudyStoppedError, pick_devices, unit_jobs
-from usvjax.study.store import Unit
+from usvjax.study.runner import StudyStoppedError, pick_devices
+from usvjax.study.shards import Unit
 
 
 class Recorder:
@@ -166,7 +168,7 @@ def test_results_do_not_depend_on_shards_order_or_devices(tmp_path, finished):
 
 
 def test_last_shard_is_partial():
-    assert len(unit_jobs(parse_spec(toy_study()), Unit(0, 2))) == 50
+    assert len(parse_spec(toy_study()).layout.jobs(Unit(0, 2))) == 50
 
 
 def test_running_again_computes_nothing_and_changes_nothing(tmp_path, finished, monkeypatch):
@@ -187,9 +189,9 @@ def test_missing_shards_are_computed_again(tmp_path, finished):
         shard.unlink()
     listener = Recorder()
     run_study(parse_spec(toy_study()), tmp_path / "reference", listener=listener)
+    layout = parse_spec(toy_study()).layout
     assert sum(listener.advanced) == sum(
-        len(unit_jobs(parse_spec(toy_study()), Unit(0, int(s.name[8:13])))) * 2
-        for s in shards[1::2]
+        layout.rows(Unit(0, int(s.name[8:13]))) for s in shards[1::2]
     )
     assert run_files(finished.path) == before
 
@@ -220,6 +222,23 @@ def test_interrupt_finishes_the_shards_under_way_and_resumes(tmp_path, finished,
     assert load_run(path).table().height == on_disk
     run_study(parse_spec(toy_study()), tmp_path / "stopped")
     assert run_files(path) == run_files(finished.path)
+
+
+def test_a_second_interrupt_waits_for_no_shard_and_keeps_none(tmp_path):
+    class Impatient(Recorder):
+        def begin(self, done: int, total: int) -> None:
+            super().begin(done, total)
+            threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+
+        def stopping(self) -> None:
+            raise KeyboardInterrupt
+
+    began = time.monotonic()
+    with pytest.raises(StudyStoppedError, match="stopped after 0 of 1000"):
+        run_study(parse_spec(toy_study(params={"sleep": 1.0})), tmp_path, listener=Impatient())
+    assert time.monotonic() - began < 1.5
+    time.sleep(3.0)
+    assert not list((tmp_path / "toy" / "shards").iterdir())
 
 
 @pytest.mark.parametrize(

@@ -6,19 +6,22 @@ import os
 import subprocess
 import sys
 
-import polars as pl
 import pytest
 from study_fake import run_files, toy_study
 
 from usvjax.errors import BadInputError
-from usvjax.study import load_run, parse_spec, run_study, store
-from usvjax.study.store import RunDirectory, Unit
+from usvjax.study import folder, load_run, parse_spec, run_study, store
+from usvjax.study.held import NOTHING
+from usvjax.study.manifest import manifest_of
+from usvjax.study.runner import run_unit
+from usvjax.study.shards import Unit
+from usvjax.study.store import RunDirectory
 
-TABLE = pl.DataFrame({"job": [0, 1, 2], "time": [1.0, 2.5, 4.0]})
 
-
-def opened(path, study_hash="abc", **study):
-    return RunDirectory.open(path, {"name": "a", **study}, study_hash, "code")
+def opened(path):
+    return RunDirectory.open(
+        path, manifest_of(parse_spec(toy_study()).canonical(), "code", NOTHING.entry())
+    )
 
 
 @pytest.fixture
@@ -37,11 +40,13 @@ def refused(tmp_path, words, **changes):
 
 
 def test_a_shard_comes_back(tmp_path):
+    unit = Unit(1, 2)
+    table = run_unit(parse_spec(toy_study()), unit)
     with opened(tmp_path / "run") as run:
-        run.write_shard(Unit(2, 31), TABLE)
+        run.write_shard(unit, table)
     with opened(tmp_path / "run") as run:
-        assert run.done == {Unit(2, 31)}
-        assert run.read_shard(Unit(2, 31)).equals(TABLE)
+        assert run.done == {unit}
+        assert run.read_shard(unit).equals(table)
 
 
 @pytest.mark.parametrize(
@@ -121,6 +126,20 @@ def test_a_directory_in_use_is_refused(tmp_path):
     run_study(parse_spec(toy_study()), tmp_path)
 
 
+def test_a_run_that_another_began_just_before_the_lock_is_not_mixed(tmp_path, monkeypatch):
+    locked = store._locked
+
+    def late(path):
+        monkeypatch.setattr(store, "_locked", locked)
+        run_study(parse_spec(toy_study(seed=8)), tmp_path)
+        return locked(path)
+
+    monkeypatch.setattr(store, "_locked", late)
+    with pytest.raises(BadInputError, match="seed is 8 there and 7 here"):
+        run_study(parse_spec(toy_study()), tmp_path)
+    assert run_study(parse_spec(toy_study(seed=8)), tmp_path).summary["study"]["seed"] == 8
+
+
 @pytest.mark.parametrize("cut", [0, 1, 100, -1])
 def test_truncated_and_damaged_shards_are_computed_again(tmp_path, finished, cut):
     before = run_files(finished.path)
@@ -176,13 +195,14 @@ def test_a_full_or_unwritable_directory_loses_nothing(
     tmp_path, monkeypatch, call, error, words, after
 ):
     with monkeypatch.context() as patch:
-        patch.setattr(store.os, call, failing(getattr(os, call), error, after))
-        with pytest.raises(BadInputError, match=f"cannot write .*{words}.*is kept") as caught:
-            run_study(parse_spec(toy_study()), tmp_path / "full")
+        patch.setattr(folder.os, call, failing(getattr(os, call), error, after))
+        with pytest.raises(BadInputError, match=f"cannot write .*{words}") as caught:
+            run_study(parse_spec(toy_study()), tmp_path / "full", devices=1)
         assert "\n" not in str(caught.value)
     assert not list((tmp_path / "full").rglob(".tmp-*"))
     written = [s.read_bytes() for s in (tmp_path / "full" / "toy" / "shards").iterdir()]
     assert len(written) >= (after > 1)
+    assert ("was written before is kept" in str(caught.value)) == bool(written)
     result = run_study(parse_spec(toy_study()), tmp_path / "full")
     reference = run_study(parse_spec(toy_study()), tmp_path / "reference")
     assert run_files(result.path) == run_files(reference.path)

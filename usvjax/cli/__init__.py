@@ -1,7 +1,7 @@
 """The command line: `usvjax COMMAND ...`.
 
-A user's mistake is one line on stderr and exit code 2; Ctrl-C is 130. Each command's module is
-imported only when that command is asked for.
+A user's mistake is one line on stderr and exit code 2; Ctrl-C is 130, SIGTERM 143. Each command's
+module is imported only when that command is asked for.
 """
 
 import contextlib
@@ -16,10 +16,11 @@ from dataclasses import dataclass
 from functools import partial, wraps
 from typing import Any
 
+from usvjax.cli import process
+from usvjax.devices import naming_the_platform
 from usvjax.suggest import did_you_mean
 
 EXIT_USAGE = 2
-EXIT_INTERRUPTED = 130
 _LEAST_COLUMNS = 40
 
 
@@ -107,23 +108,54 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit code. `--help` leaves through SystemExit instead.
     """
-    from usvjax.cli.console import complain, use_any_encoding
+    whole = args is None
+    given = list(sys.argv[1:] if args is None else args)
+    with process.stopped_by_signals(to_the_end=whole):
+        if whole:
+            process.prepare()
+        code = _answered(given)
+    if whole and code > process.EXIT_SIGNAL:
+        # Threads may be in the midst of episodes, which Python would wait for or trip over.
+        os._exit(code)
+    return code
+
+
+def _answered(given: list[str]) -> int:
+    """Run a command and turn what goes wrong into one line and an exit code."""
+    from usvjax.cli.console import use_any_encoding
     from usvjax.errors import BadInputError, BadTypeError
 
     use_any_encoding()
-    given = list(sys.argv[1:] if args is None else args)
     try:
-        return _dispatch(given)
+        try:
+            with naming_the_platform():
+                return _dispatch(given)
+        finally:
+            process.flush()
     except (BadInputError, BadTypeError) as error:
-        complain(f"usvjax: {error}")
-        return EXIT_USAGE
+        return _said(str(error), EXIT_USAGE)
     except KeyboardInterrupt as stop:
-        complain(f"usvjax: {str(stop) or 'interrupted'}")
-        return EXIT_INTERRUPTED
+        return _said(str(stop) or "interrupted", process.exit_code())
     except BrokenPipeError:
-        # Whoever read our output has left; without this, Python would complain on exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        process.drop_output()  # whoever read it has left
+        return process.EXIT_OUTPUT
+    except Exception as error:
+        if process.was_stopped():  # what a library has made of the interrupt
+            return _said("interrupted", process.exit_code())
+        if not isinstance(error, OSError) or not process.output_fails():
+            raise
+        process.drop_output()
+        return _said(f"cannot write to standard output: {error.strerror}", process.EXIT_OUTPUT)
+
+
+def _said(line: str, code: int) -> int:
+    """The code, with a line on stderr, where that can be written."""
+    from usvjax.cli.console import complain
+
+    with contextlib.suppress(OSError):
+        complain(f"usvjax: {line}")
+        sys.stderr.flush()
+    return code
 
 
 def _dispatch(given: list[str]) -> int:

@@ -40,7 +40,8 @@ def animate(
         out: File to write, .gif, or .mp4 where ffmpeg is installed; by default in RUN/figures.
         max_frames: Frames at most; steps between them are skipped evenly.
         fps: Frames per second.
-        folder: What a map file or plugin of your own, named by the study, is relative to.
+        folder: Of the study; where files that it names have changed there, the run is refused.
+            Where they are not, the copies that the run holds are read.
         as_json: Print the file written as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache
@@ -48,7 +49,7 @@ def animate(
 
     use_compilation_cache()
     chosen = choose(run, condition, method, job, folder)
-    target = run / "figures" / f"episode-{chosen.name}.gif" if out is None else out
+    target = chosen.place(f"episode-{chosen.name}.gif") if out is None else out
     check_animation(target, max_frames=max_frames, fps=fps)
     film = chosen.replay.mission.film(chosen.again(), 0)
     with _bar(as_json) as progress:

@@ -70,10 +70,10 @@ def _waiting(quiet: bool) -> Iterator[None]:
 
 
 def _facts(spec: "StudySpec") -> dict[str, Any]:
-    import jax
+    from usvjax.devices import local_devices
 
     methods, conditions = len(spec.methods), len(spec.conditions)
-    devices = len(jax.local_devices())
+    devices = len(local_devices())
     shards = -(-spec.episodes // spec.shard) * conditions
     return {
         "name": spec.name,

@@ -37,6 +37,14 @@ class Chosen:
         """What sets it apart in the name of a file."""
         return f"c{self.condition}-{self.method}-j{self.job}"
 
+    def place(self, name: str) -> Path:
+        """Where a file about it goes, unless another place is given."""
+        from usvjax.study.folder import check_no_link
+
+        folder = self.replay.run.path / "figures"
+        check_no_link(folder)
+        return folder / name
+
     def again(self) -> "Replayed":
         """Simulate the episode again; see `usvjax.study.replay.Replay`."""
         return self.replay(self.condition, self.method, [self.job])

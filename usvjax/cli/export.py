@@ -33,7 +33,8 @@ def export(
         condition: Number of the condition, from 0, in the order of the study.
         method: Method of the run; by default its last.
         out: File to write; by default a .csv in RUN/figures.
-        folder: What a map file or plugin of your own, named by the study, is relative to.
+        folder: Of the study; where files that it names have changed there, the run is refused.
+            Where they are not, the copies that the run holds are read.
         as_json: Print the file written as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache
@@ -41,7 +42,7 @@ def export(
 
     use_compilation_cache()
     chosen = choose(run, condition, method, job, folder)
-    target = run / "figures" / f"track-{chosen.name}.csv" if out is None else out
+    target = chosen.place(f"track-{chosen.name}.csv") if out is None else out
     write_tracks(chosen.again(), target)
     if as_json:
         print(json.dumps({"run": str(run), "tracks": str(target)}))

@@ -179,8 +179,7 @@ def _summary(grid: GridMap) -> dict[str, Any]:
         "cell_size_m": grid.cell_size,
         "origin_m": list(grid.origin),
         "free_share": grid.free_share,
-        # Not the power: it raises where the product is infinite.
-        "free_area_m2": free * (grid.cell_size * grid.cell_size),
+        "free_area_m2": free * grid.cell_size**2,
         "water_bodies": int(bodies.max()),
         "largest_body_share": float((bodies == 1).sum() / free) if free else 0.0,
         "attribution": grid.attribution,

@@ -35,7 +35,8 @@ def plot(
         max_examples: Conditions, from the first, of which episodes are simulated again for
             paths, charts, routes and cruises; 0 for none.
         max_paths: Trajectories on a chart.
-        folder: What a map file or plugin of your own, named by the study, is relative to.
+        folder: Of the study; where files that it names have changed there, the run is refused.
+            Where they are not, the copies that the run holds are read.
         as_json: Print the files written as JSON, for scripts.
     """
     from usvjax.devices import use_compilation_cache

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 import tyro
 
-from usvjax.checks import one_of
+from usvjax.checks import one_of, shown
 from usvjax.cli.console import show, show_line
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map
@@ -182,7 +182,7 @@ def _free_cell(
     west, east, south, north = grid.extent if metres else (0, width, 0, height)
     if not (west <= numbers[0] < east and south <= numbers[1] < north):
         wanted = f"{west:g} <= X < {east:g} and {south:g} <= Y < {north:g}"
-        raise BadInputError(f"{option}: {text} lies outside the map; wanted {wanted}")
+        raise BadInputError(f"{option}: {shown(text)} lies outside the map; wanted {wanted}")
     cell = grid.cells_of(numbers) if metres else numbers
     # A point just below an edge may be rounded up to it.
     x, y = min(int(cell[0]), width - 1), min(int(cell[1]), height - 1)

@@ -1,7 +1,9 @@
 """`usvjax study`: run a study with a progress bar, then show what it found."""
 
 import json
+import os
 import shlex
+import sys
 from pathlib import Path
 from types import TracebackType
 from typing import Annotated
@@ -49,30 +51,45 @@ def study(
 
     use_compilation_cache()
     spec = load_spec(file)
+    again = shlex.join(["usvjax", "study", str(file), "--out", str(out)])
     try:
         with _Bar(spec.name, quiet) as bar:
             result = run_study(spec, out, devices=devices, listener=bar)
     except StudyStoppedError as stop:
-        command = shlex.join(["usvjax", "study", str(file), "--out", str(out)])
         had = f"stopped with {stop.done:,} of {stop.total:,} episodes on disk"
-        raise KeyboardInterrupt(f"{had}; continue with: {command}") from None
+        raise KeyboardInterrupt(f"{had}; continue with: {again}") from None
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted; continue with: {again}") from None
     figures = [] if no_figures else _figures(result.path, file.parent)
+    if not result.written:
+        _tell(f"{result.path} may only be read; its summary was computed and not written")
     if as_json:
         found = {"run": str(result.path), "figures": list(map(str, figures))}
         print(json.dumps({**found, "summary": result.summary}))
         return
     show(*terminal(result.summary))
     show_line(f"Run      {result.path}")
-    show_line(f"Summary  {result.path / 'summary.md'}")
+    if result.written:
+        show_line(f"Summary  {result.path / 'summary.md'}")
     for figure in figures:
         show_line(f"Figure   {figure}")
 
 
 def _figures(run: Path, folder: Path) -> list[Path]:
-    """Draw the figures of a run; files that its study names are relative to `folder`."""
-    from usvjax.study.figures import figures_for_run
+    """The figures of a run, drawn unless they are there; `folder` is that of its study."""
+    from usvjax.study.figures import figures_as_drawn, figures_for_run
 
+    drawn = figures_as_drawn(run, folder)
+    if drawn is not None:
+        return drawn
+    if not os.access(run, os.W_OK):
+        _tell(f"{run} may only be read; its figures are not drawn")
+        return []
     return figures_for_run(run, folder=folder)
+
+
+def _tell(line: str) -> None:
+    print("usvjax:", line, file=sys.stderr)
 
 
 class _Bar:
@@ -105,4 +122,4 @@ class _Bar:
 
     def stopping(self) -> None:
         """Say that Ctrl-C was understood."""
-        self._meter.say("stopping: finishing the shards under way ...")
+        self._meter.say("stopping: finishing the shards under way; Ctrl-C again stops at once ...")

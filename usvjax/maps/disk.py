@@ -2,9 +2,12 @@
 
 import codecs
 import errno
+import hashlib
 import os
 import stat
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from usvjax.checks import byte_size, shown
@@ -16,6 +19,20 @@ MOST_QUERIES = 2**25
 """Largest scenario file that is read."""
 MOST_TEXT = 2**20
 """Largest file of settings that is read: a study, a plug-in, a sidecar, a map_server file."""
+
+_NOTED: ContextVar[dict[Path, str] | None] = ContextVar("noted", default=None)
+
+
+@contextmanager
+def noting_reads() -> Iterator[dict[Path, str]]:
+    """Note every file that is read within: SHA-256 of its content, by its path as it was asked."""
+    noted: dict[Path, str] = {}
+    before = _NOTED.set(noted)
+    try:
+        yield noted
+    finally:
+        _NOTED.reset(before)
+
 
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 # A file may not say its size, as those of /proc, and have no end.
@@ -43,6 +60,8 @@ def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
             with open(path, "rb", opener=lambda name, how: os.open(name, how | _AT_ONCE)) as stream:
                 content = stream.read(size + 1) or b""
             if len(content) <= size:
+                if (noted := _NOTED.get()) is not None:
+                    noted[path] = hashlib.sha256(content).hexdigest()
                 return content
     except FileNotFoundError:
         raise BadInputError(f"{path}: no such file") from None

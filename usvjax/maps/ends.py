@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from usvjax.checks import shown
 from usvjax.errors import BadInputError
@@ -229,12 +229,12 @@ def end_groups(blocked: np.ndarray, ends: str) -> np.ndarray:
         return (~blocked).astype(np.int32)
     if ends == "connected":
         within = np.zeros((3, 3, 3), bool)
-        within[1] = ndimage.generate_binary_structure(2, 1)
-        labels: np.ndarray = ndimage.label(~blocked, within)[0]
+        within[1] = scipy.ndimage.generate_binary_structure(2, 1)
+        labels: np.ndarray = scipy.ndimage.label(~blocked, within)[0]
         return labels
     around = np.ones((1, 3, 3), bool)
     largest = np.stack([GridMap(grid).largest_component() for grid in blocked])
-    return (largest & ndimage.binary_dilation(blocked, around)).astype(np.int32)
+    return (largest & scipy.ndimage.binary_dilation(blocked, around)).astype(np.int32)
 
 
 def check_ends(ends: str, known: tuple[str, ...], min_distance: float, where: str) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from usvjax import checks
 from usvjax.checks import shown, whole_number
@@ -178,7 +178,7 @@ class GridMap:
         """
         if not self.blocked.any():
             return np.full(self.shape, np.inf)
-        return self.cell_size * ndimage.distance_transform_edt(~self.blocked)
+        return self.cell_size * scipy.ndimage.distance_transform_edt(~self.blocked)
 
     def inflated(self, radius_m: float) -> "GridMap":
         """Block every cell whose centre is within a radius of a blocked cell's centre.
@@ -239,7 +239,7 @@ class GridMap:
         Returns:
             int32[H, W]: 0 in blocked cells, 1 in the largest body, 2 in the next, ...
         """
-        labels, count = ndimage.label(~self.blocked)
+        labels, count = scipy.ndimage.label(~self.blocked)
         sizes = np.bincount(labels.ravel(), minlength=count + 1)[1:]
         rank = np.zeros(count + 1, np.int32)
         rank[1 + np.argsort(-sizes, kind="stable")] = np.arange(1, count + 1)

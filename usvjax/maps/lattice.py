@@ -13,7 +13,7 @@ moves nothing, so that differences between conditions of a study are paired.
 """
 
 import numpy as np
-from scipy.stats import binom
+import scipy
 
 from usvjax.checks import shown
 from usvjax.errors import BadInputError
@@ -65,7 +65,9 @@ def lattice_obstacles(
     field = np.where(free, uniform_fields(seed, jobs, len(points)), np.inf)
     if meaning == "bernoulli":
         chosen = field < rate
-        most = int(binom.ppf(1.0 - _OVERFLOW, room, rate))
+        # What scipy.stats.binom.ppf gives, without the second that loading all its laws takes.
+        shares = scipy.special.bdtr(np.arange(room + 1.0), room, rate)
+        most = int(np.searchsorted(shares, 1.0 - _OVERFLOW))
     else:
         wanted = rate * room if meaning == "count" else discs_for_share(rate, lo, hi, radius)
         most = min(round(wanted), room)

@@ -4,8 +4,7 @@ from typing import Any
 
 import jax
 import numpy as np
-from scipy import ndimage
-from scipy.spatial import cKDTree
+import scipy
 
 from usvjax import checks
 from usvjax.checks import byte_size, whole_number
@@ -46,9 +45,9 @@ def expand_obstacles(blocked: Any, expansion: float) -> np.ndarray:
     """
     cells = checks.grid("blocked", blocked)
     scale = 1.0 + checks.not_negative("expansion", expansion)
-    labels, count = ndimage.label(cells, structure=_EIGHT_NEIGHBOURS)
+    labels, count = scipy.ndimage.label(cells, structure=_EIGHT_NEIGHBOURS)
     result = cells.copy()
-    for label, box in enumerate(ndimage.find_objects(labels, count), start=1):
+    for label, box in enumerate(scipy.ndimage.find_objects(labels, count), start=1):
         _stamp_scaled(result, labels[box] == label, (box[0].start, box[1].start), scale)
     return result
 
@@ -109,7 +108,7 @@ def obstacle_table(blocked: Any, k: int | None, reach_cells: float) -> np.ndarra
     cells = checks.grid("blocked", blocked)
     reach = checks.positive("reach_cells", reach_cells) * (1.0 + _AT_REACH)
     shore = np.flatnonzero(np.asarray(_shoreline(cells)))
-    tree = cKDTree(np.stack(np.divmod(shore, cells.shape[1]), axis=-1))
+    tree = scipy.spatial.cKDTree(np.stack(np.divmod(shore, cells.shape[1]), axis=-1))
     free = np.argwhere(~cells)
     if k is None:
         within = tree.query_ball_point(free, reach, return_length=True, workers=-1)

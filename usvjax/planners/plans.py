@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from usvjax.checks import one_of
 from usvjax.planners import aco, rows
@@ -105,8 +105,8 @@ def _connected(scene: SearchScene) -> np.ndarray:
     connection by straight steps decides.
     """
     within_layer = np.zeros((3, 3, 3), bool)
-    within_layer[1] = ndimage.generate_binary_structure(2, 1)
-    label, _ = ndimage.label(~scene.blocked, within_layer)
+    within_layer[1] = scipy.ndimage.generate_binary_structure(2, 1)
+    label, _ = scipy.ndimage.label(~scene.blocked, within_layer)
     layer = np.zeros(len(scene), np.int64) if scene.shared else np.arange(len(scene))
     ends = [label[layer, cells[:, 1], cells[:, 0]] for cells in (scene.starts, scene.goals)]
     return ends[0] == ends[1]

@@ -11,9 +11,9 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from usvjax.errors import BadInputError
+from usvjax.mission import MOST_CONDITIONS
 from usvjax.plots import style
 from usvjax.plots.distributions import both_reached, draw_boxes
-from usvjax.plots.overview import MOST_CONDITIONS
 from usvjax.statistics import wilson
 from usvkernels.status import Status
 

@@ -13,8 +13,6 @@ from usvjax.errors import BadInputError
 from usvjax.plots import style
 from usvjax.statistics import wilson
 
-MOST_CONDITIONS = 12
-"""Conditions that figures show one by one; of more, one figure shows the success rate of all."""
 ENDS = 6
 """Conditions of either end of a ranking that are named."""
 

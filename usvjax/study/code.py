@@ -91,13 +91,15 @@ def _sources(starts: set[Path], names: frozenset[str], ours: bool = True) -> dic
     folders = {path.parent for path in starts if _package_of(path) is None}
     while waiting:
         path = waiting.pop()
-        key = path.relative_to(_package_of(path) or path.parent).as_posix()
+        root = _package_of(path) or next(f for f in folders if path.is_relative_to(f))
+        key = path.relative_to(root).as_posix()
         if key in found:
             continue
         source = read_plain(path)
         tree = ast.parse(source)
         found[key] = _without_drawing(source, tree, names) if path in starts else source
-        imported = filter(None, (_file(module, folders) for module in _imports(tree)))
+        package = key.split("/")[:-1]
+        imported = {file for m in _imports(tree, package) for file in _files(m, folders)}
         waiting += (file for file in imported if ours or not _package_of(file))
     return found
 
@@ -125,18 +127,23 @@ def _height(node: ast.FunctionDef) -> int:
     return node.end_lineno - node.lineno + 1
 
 
-def _imports(tree: ast.Module) -> Iterator[str]:
-    """Names of modules that are imported anywhere but for type checkers, most of them ours."""
+def _imports(tree: ast.Module, package: list[str]) -> Iterator[str]:
+    """Names of modules that are imported anywhere but for type checkers, most of them ours.
+
+    `package` has the names of the folders that the file is in, which "from . import" refers to.
+    """
     facades = set()
     for node in _statements(tree.body):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
             facades |= {a.asname or a.name for a in node.names if a.name == _FACADE}
-        elif isinstance(node, ast.ImportFrom) and node.module:
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) + 1 - node.level] if node.level else []
+            module = ".".join([*above, *filter(None, [node.module])])
             for alias in node.names:
-                yield node.module
-                yield f"{node.module}.{alias.name}"
-                if node.module == _FACADE:
+                yield module
+                yield f"{module}.{alias.name}" if module else alias.name
+                if module == _FACADE:
                     yield home_of(alias.name)
     if facades:
         for part in ast.walk(tree):
@@ -156,17 +163,21 @@ def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
             yield from _statements(part.body)
 
 
-def _file(module: str, folders: set[Path]) -> Path | None:
-    """The file of a module that is ours or stands beside a plug-in; else None.
+def _files(module: str, folders: set[Path]) -> list[Path]:
+    """The files that importing a module runs, where it is ours or stands beside a plug-in.
 
     Of our own two packages, `__init__` only says where names are, and decides nothing.
     """
-    if module in _ROOTS or not module:
-        return None
     own = _ROOTS.get(module.partition(".")[0])
-    for root in folders if own is None else {own}:
-        base = root.joinpath(*module.split("."))
-        for path in (base.with_suffix(".py"), base / "__init__.py"):
-            if path.is_file():
-                return path
-    return None
+    parts = module.split(".")
+    if own is not None:
+        return _file_in(own, parts) if len(parts) > 1 else []
+    # What is in a folder beside a plug-in runs the `__init__` of that folder as well.
+    names = [parts[:count] for count in range(1, len(parts) + 1)] if module else []
+    return [file for root in folders for name in names for file in _file_in(root, name)]
+
+
+def _file_in(root: Path, parts: list[str]) -> list[Path]:
+    base = root.joinpath(*parts)
+    files = (base / "__init__.py", base.with_suffix(".py"))
+    return [file for file in files if file.is_file()][:1]

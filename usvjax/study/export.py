@@ -39,4 +39,5 @@ def write_tracks(replayed: Replayed, path: Path) -> Path:
     Raises:
         BadInputError: the place cannot be written.
     """
-    return write_atomically(path, tracks_table(replayed).write_csv)
+    text = tracks_table(replayed).write_csv()
+    return write_atomically(path, lambda file: file.write_text(text, encoding="utf-8"))

@@ -2,19 +2,25 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
-from matplotlib.figure import Figure
 
 from usvjax.errors import BadInputError
-from usvjax.plots import style
-from usvjax.plots.overview import MOST_CONDITIONS, plot_overview
+from usvjax.mission import MOST_CONDITIONS
 from usvjax.public import public
+from usvjax.study.finished import FIGURES, as_recorded, maker, record
+from usvjax.study.folder import check_no_link, in_one_line, json_bytes, write_plain
 from usvjax.study.meanings import units_of
 from usvjax.study.reader import Run, load_run
 from usvjax.study.replay import Replay
+from usvjax.study.shards import Layout, find_shards
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FOLDER = "figures"
+FORMATS = (".png",)
 MAX_EXAMPLES = 4
 MAX_PATHS = 200
 
@@ -23,7 +29,7 @@ MAX_PATHS = 200
 def figures_for_run(
     run_dir: str | Path,
     *,
-    formats: tuple[str, ...] = (".png",),
+    formats: tuple[str, ...] = FORMATS,
     max_examples: int = MAX_EXAMPLES,
     max_paths: int = MAX_PATHS,
     folder: Path | None = None,
@@ -36,8 +42,8 @@ def figures_for_run(
         formats: suffixes to write, of ".png", ".pdf" and ".svg"; tables are written as .csv.
         max_examples: conditions to simulate again; 0 simulates nothing.
         max_paths: trajectories of a chart.
-        folder: what a map file or plug-in named by the study is relative to; the working
-            directory when None. Packaged maps need none.
+        folder: of the study; the working directory when None. Where it has all files that the
+            study names, they must be as they were; else the copies that the run holds are read.
         on_written: called with every file as soon as it is there.
 
     Returns:
@@ -48,6 +54,8 @@ def figures_for_run(
             cannot be had back (see `usvjax.study.replay.Replay`), or the folder cannot be
             written. What was drawn before stays.
     """
+    from usvjax.plots import style
+
     if not formats:
         raise BadInputError("formats is empty; at least one of .png, .pdf, .svg was wanted")
     for suffix in formats:
@@ -57,19 +65,23 @@ def figures_for_run(
             raise BadInputError(f"{name} is {value}; at least {least} was wanted")
     run = load_run(run_dir)
     replay = Replay(run, folder or Path(), max_examples, max_paths)
+    check_no_link(run.path / FOLDER)
     written = []
     for name, drawn in _drawn(run, replay):
-        for suffix in formats if isinstance(drawn, Figure) else (".csv",):
+        for suffix in (".csv",) if isinstance(drawn, pl.DataFrame) else formats:
             written.append(_saved(drawn, run.path / FOLDER / f"{name}{suffix}"))
             if on_written is not None:
                 on_written(written[-1])
+    _note(replay, written, _asked(formats, max_examples, max_paths))
     return written
 
 
-def _drawn(run: Run, replay: Replay) -> Iterator[tuple[str, Figure | pl.DataFrame]]:
+def _drawn(run: Run, replay: Replay) -> Iterator[tuple[str, "Figure | pl.DataFrame"]]:
     """The figures of the mission; of many conditions, first one of how they all went."""
     mission = replay.mission
     if len(run.settings) > MOST_CONDITIONS:
+        from usvjax.plots.overview import plot_overview
+
         fig = plot_overview(
             run.table(),
             dict(enumerate(run.varied)),
@@ -85,7 +97,47 @@ def _drawn(run: Run, replay: Replay) -> Iterator[tuple[str, Figure | pl.DataFram
     yield from mission.figures(run, replay)
 
 
-def _saved(drawn: Figure | pl.DataFrame, path: Path) -> Path:
-    if isinstance(drawn, Figure):
-        return style.save(drawn, path)
-    return style.write_atomically(path, drawn.write_csv)
+def figures_as_drawn(run_dir: str | Path, folder: Path) -> list[Path] | None:
+    """The figures of a run, where `figures_for_run` by default would draw them just so again.
+
+    Args:
+        run_dir, folder: as for `figures_for_run`.
+
+    Returns:
+        The files; None where any is missing, or would be another now.
+    """
+    run = load_run(run_dir)
+    replay = Replay(run, folder)
+    asked = _asked(FORMATS, MAX_EXAMPLES, MAX_PATHS)
+    made = as_recorded(run.path, FIGURES, _maker(replay), _shards(run), **asked)
+    return None if made is None else [run.path / name for name in made]
+
+
+def _note(replay: Replay, written: list[Path], asked: dict[str, Any]) -> None:
+    """Write down what figures were drawn from."""
+    run = replay.run
+    made = {f"{FOLDER}/{path.name}": path.read_bytes() for path in written}
+    content = json_bytes(record(_maker(replay), _shards(run), made, **asked))
+    with in_one_line(f"write {run.path / FIGURES}"):
+        write_plain(run.path / FIGURES, content)
+
+
+def _asked(formats: tuple[str, ...], max_examples: int, max_paths: int) -> dict[str, Any]:
+    return {"formats": list(formats), "max_examples": max_examples, "max_paths": max_paths}
+
+
+def _maker(replay: Replay) -> str:
+    return maker(replay.plugin.path if replay.plugin else None)
+
+
+def _shards(run: Run) -> list[Path]:
+    return list(find_shards(run.path, Layout.of(run.manifest["study"])).values())
+
+
+def _saved(drawn: "Figure | pl.DataFrame", path: Path) -> Path:
+    from usvjax.plots import style
+
+    if isinstance(drawn, pl.DataFrame):
+        text = drawn.write_csv()
+        return style.write_atomically(path, lambda file: file.write_text(text, encoding="utf-8"))
+    return style.save(drawn, path)

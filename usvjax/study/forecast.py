@@ -1,14 +1,13 @@
 """How long a study would take and how large it would be, from a few of its episodes."""
 
-import io
 import time
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from usvjax.study.runner import run_unit
+from usvjax.study.shards import Unit, encode_shard
 from usvjax.study.spec import StudySpec
-from usvjax.study.store import Unit
 
 FIRST = 16  # episodes tried of a condition, to begin with
 MOST_TRIED = 4  # conditions
@@ -71,9 +70,4 @@ def _trial(spec: StudySpec, conditions: list[int], episodes: int) -> tuple[float
     began = time.perf_counter()
     tables = [run_unit(part, Unit(condition, 0)) for condition in conditions]
     seconds = time.perf_counter() - began
-    size = 0
-    for table in tables:
-        buffer = io.BytesIO()
-        table.write_parquet(buffer, compression="zstd", statistics=False)
-        size += len(buffer.getvalue())
-    return seconds, size
+    return seconds, sum(len(encode_shard(Unit(0, 0), table)[1]) for table in tables)

@@ -7,8 +7,8 @@ may bring files of one name, and a changed file is another module.
 
 import hashlib
 import importlib.util
-import os
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -38,12 +38,14 @@ class Plugin:
         path: of the file.
         source: its content, with which another process can import it.
         digest: of its place, its content, and that of the files it imports from beside it.
+        beside: SHA-256 of these files and of itself, by name relative to its folder.
     """
 
     name: str
     path: Path
     source: bytes
     digest: str
+    beside: Mapping[str, str]
 
     def load(self, where: str = "the study") -> None:
         """Import the file and make its missions known.
@@ -109,14 +111,15 @@ def read_plugin(name: str, folder: Path, where: str) -> Plugin:
         path = (folder / file_path("plugin", name)).resolve()
         source = read_plain(path)
     try:
-        parts = {"": os.fsencode(path), **beside(path)}
+        found = beside(path)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         # All of them are what Python says of sources that it cannot parse.
         raise BadInputError(_failure(name, where, error)) from None
     digest = hashlib.sha256()
-    for key, part in sorted(parts.items()):
+    for key, part in sorted({"": str(path).encode(), **found}.items()):
         digest.update(key.encode() + b"\0" + part + b"\0")
-    return Plugin(name, path, source, digest.hexdigest()[:16])
+    each = {key: hashlib.sha256(part).hexdigest() for key, part in found.items()}
+    return Plugin(name, path, source, digest.hexdigest()[:16], each)
 
 
 def _failure(name: str, where: str, error: BaseException) -> str:
@@ -132,7 +135,7 @@ def _imported(plugin: Plugin) -> ModuleType:
     if name in sys.modules:
         return sys.modules[name]
     folder = plugin.path.parent
-    _forget(folder)
+    _forget(plugin)
     spec = importlib.util.spec_from_loader(name, loader=None, origin=str(plugin.path))
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
@@ -151,9 +154,21 @@ def _imported(plugin: Plugin) -> ModuleType:
     return module
 
 
-def _forget(folder: Path) -> None:
-    """Let modules from beside a plug-in be imported anew: they may have changed."""
+def _forget(plugin: Plugin) -> None:
+    """Let modules from beside a plug-in be imported anew: they may have changed.
+
+    So may those of its names that another plug-in brought, from beside itself.
+    """
+    folder = plugin.path.parent
     for name, module in list(sys.modules.items()):
         file = getattr(module, "__file__", None)
-        if file and Path(file).parent == folder and not name.startswith((PREFIX, "__main__")):
+        beside = file is not None and Path(file).parent == folder
+        if name in _HELPERS or (beside and not name.startswith((PREFIX, "__main__"))):
             del sys.modules[name]
+    for file in plugin.beside:
+        parts = file.removesuffix(".py").removesuffix("/__init__").split("/")
+        _HELPERS.update(".".join(parts[:count]) for count in range(1, len(parts) + 1))
+
+
+_HELPERS: set[str] = set()
+"""Names of the modules that plug-ins have brought from beside themselves."""

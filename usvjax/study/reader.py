@@ -9,8 +9,11 @@ import polars as pl
 
 from usvjax.errors import BadInputError
 from usvjax.public import public
+from usvjax.study.finished import FINISHED, SUMMARY, read_record
+from usvjax.study.folder import digest, read_plain
 from usvjax.study.looks import look_level, look_schedule
-from usvjax.study.store import read_manifest
+from usvjax.study.manifest import read_manifest
+from usvjax.study.shards import Layout, find_shards, read_shard
 
 
 @dataclass(frozen=True)
@@ -68,33 +71,36 @@ class Run:
             "status" (int32) and the metrics of its mission.
 
         Raises:
-            BadInputError: nothing has been written yet, or a file is damaged.
+            BadInputError: nothing has been written yet, or a file is damaged or another's.
         """
-        files = sorted((self.path / "shards").glob("c*.parquet"))
-        if not files:
+        layout = Layout.of(self.manifest["study"])
+        shards = find_shards(self.path, layout)
+        if not shards:
             raise BadInputError(f"{self.path} holds no episodes yet")
-        return pl.concat(map(_shard, files))
+        tables = [read_shard(path, unit, layout) for unit, path in shards.items()]
+        try:
+            return pl.concat(tables)
+        except pl.exceptions.PolarsError as error:
+            raise BadInputError(f"the shards of {self.path} have different columns") from error
 
     def summary(self) -> dict[str, Any]:
         """Read summary.json; see `usvjax.study.summary.summarise`.
 
         Raises:
-            BadInputError: the run is not finished, or the file is damaged.
+            BadInputError: the run is not finished, or the file is damaged or was edited.
         """
+        path = self.path / SUMMARY
         try:
-            found: dict[str, Any] = json.loads((self.path / "summary.json").read_bytes())
+            content = read_plain(path)
         except OSError as error:
             raise BadInputError(f"{self.path} has no summary; is the run finished?") from error
-        except ValueError as error:
-            raise BadInputError(f"{self.path / 'summary.json'} is damaged: {error}") from error
+        record = read_record(self.path / FINISHED)
+        if record is None or record[1].get(SUMMARY) != digest(content):
+            raise BadInputError(
+                f"{path} is not as it was written; run the study again, which replaces it"
+            )
+        found: dict[str, Any] = json.loads(content)
         return found
-
-
-def _shard(file: Path) -> pl.DataFrame:
-    try:
-        return pl.read_parquet(file, glob=False)
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise BadInputError(f"{file} is damaged; run the study again, which replaces it") from error
 
 
 @public()

@@ -20,7 +20,8 @@ from usvjax.errors import BadInputError
 from usvjax.mission import Case, Files, Metric, Mission, Replayed
 from usvjax.registry import find_mission
 from usvjax.study.code import code_digest
-from usvjax.study.plugin import read_plugin
+from usvjax.study.held import are_beside, held_folder, with_relative_names
+from usvjax.study.plugin import Plugin, read_plugin
 from usvjax.study.reader import Run
 
 ROUNDING = 1e-4
@@ -33,7 +34,8 @@ class Replay:
 
     Attributes:
         run: the run.
-        folder: what files that the study names are relative to; packaged maps need none.
+        folder: of the study; where it has all files that the study names, they are read there, and
+            refused where they have changed; else the copies that the run holds are read.
         examples: conditions, from the first, of which figures may have episodes back.
         most: episodes that one figure may show.
     """
@@ -49,9 +51,20 @@ class Replay:
         return self.run.table()
 
     @cached_property
+    def files(self) -> Path:
+        """What the files that the study names are relative to."""
+        held = self.run.manifest["files"]
+        return self.folder if are_beside(self.folder, held) else held_folder(self.run.path, held)
+
+    @cached_property
+    def plugin(self) -> Plugin | None:
+        """That of the study, if it has one."""
+        return plugin_of(self.run, self.files)
+
+    @cached_property
     def mission(self) -> Mission:
         """Of the run; a plug-in is loaded."""
-        return mission_of(self.run, self.folder)
+        return mission_of(self.run, self.plugin)
 
     @pinned()
     def __call__(self, condition: int, method: str, jobs: Sequence[int]) -> Replayed:
@@ -91,7 +104,7 @@ class Replay:
         """The case and the scenes; those of the last call again, for another method."""
         key = (condition, jobs.tobytes())
         if self._last.get("key") != key:
-            case = case_of(self.run, condition, self.mission, self.folder)
+            case = case_of(self.run, condition, self.mission, self.files)
             seed = int(self.run.manifest["study"]["seed"])
             self._last.update(key=key, posed=(case, self.mission.pose(case, seed, jobs)))
         posed: tuple[Case, Any] = self._last["posed"]
@@ -102,26 +115,41 @@ class Replay:
         return {}
 
 
-def mission_of(run: Run, folder: Path) -> Mission:
+def plugin_of(run: Run, folder: Path) -> Plugin | None:
+    """The plug-in of a run, if it has one.
+
+    Args:
+        run: the run.
+        folder: what the study's plug-in is relative to.
+
+    Raises:
+        BadInputError: it cannot be read.
+    """
+    name = run.manifest["study"].get("plugin")
+    if name is None:
+        return None
+    return read_plugin(run.manifest["files"]["moved"].get(name, name), folder, str(run.path))
+
+
+def mission_of(run: Run, plugin: Plugin | None) -> Mission:
     """The mission of a run.
 
     Args:
         run: the run.
-        folder: what the study's plug-in, if it has one, is relative to.
+        plugin: that of its study, if it has one.
 
     Raises:
         BadInputError: there is no such mission, or its plug-in cannot be loaded or has changed.
     """
-    study = run.manifest["study"]
-    if "plugin" not in study:
-        return find_mission(study["kind"], str(run.path))
-    plugin = read_plugin(study["plugin"], folder, str(run.path))
+    kind = run.manifest["study"]["kind"]
+    if plugin is None:
+        return find_mission(kind, str(run.path))
     plugin.load(str(run.path))
-    mission = find_mission(study["kind"], str(run.path))
+    mission = find_mission(kind, str(run.path))
     # Rows may be the same where episodes are not: one that times out says little of its way.
     if code_digest(mission, plugin.path) != run.manifest["code"]:
         raise BadInputError(
-            f"{run.path} was made with another {study['plugin']} than that in "
+            f"{run.path} was made with another {plugin.path.name} than that in "
             f"{plugin.path.parent}; bring that one back, or run the study under another name"
         )
     return mission
@@ -175,11 +203,12 @@ def case_of(run: Run, condition: int, mission: Mission, folder: Path) -> Case:
     Raises:
         BadInputError: a file is missing or has changed.
     """
-    settings = _given(run.settings[condition])
+    moved = run.manifest["files"]["moved"]
+    settings = with_relative_names(_given(run.settings[condition]), moved)
     tables = {name: settings.get(name, {}) for name in mission.tables}
     case = mission.case(tables, Files(folder, str(run.path)))
     inputs = run.manifest["study"]["conditions"][condition]["inputs"]
-    if case.inputs != inputs:
+    if case.inputs != {moved.get(name, name): mark for name, mark in inputs.items()}:
         names = ", ".join(inputs)
         raise BadInputError(f"{names} is not what {run.path} was made with")
     return case

@@ -4,10 +4,9 @@ import math
 from typing import Any
 
 from usvjax.errors import printable
+from usvjax.mission import MOST_CONDITIONS
 from usvjax.sheets import Sheet
 
-MOST_CONDITIONS = 12
-"""Conditions that a terminal shows one by one; of more, it shows the ends of their ranking."""
 FEW = 3
 """So many conditions of either end."""
 

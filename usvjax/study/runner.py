@@ -17,19 +17,13 @@ import numpy as np
 import polars as pl
 
 from usvjax.ambient import pinned
+from usvjax.devices import local_devices
 from usvjax.errors import BadInputError
 from usvjax.study.looks import look_level, look_schedule, narrow_enough
+from usvjax.study.shards import KEY_COLUMNS, Unit
 from usvjax.study.spec import StudySpec
-from usvjax.study.store import RunDirectory, Unit
+from usvjax.study.store import RunDirectory
 from usvjax.study.timings import Timings
-
-KEY_COLUMNS = {
-    "condition": pl.Int32,
-    "job": pl.Int32,
-    "method": pl.String,
-    "status": pl.Int32,
-}
-"""Columns of every result table, before the metrics of its kind."""
 
 
 class Listener(Protocol):
@@ -113,7 +107,7 @@ def run_episodes(
         StudyStoppedError: on Ctrl-C, after the shards under way were written.
         RuntimeError: the mission returned NaN or an unfinished episode.
     """
-    crew = _Crew(spec, run, tuple(devices or jax.local_devices()), listener or Silent())
+    crew = _Crew(spec, run, tuple(devices or local_devices()), listener or Silent())
     looks = look_schedule(spec.episodes, spec.shard, spec.until)
     level = look_level(spec.confidence, len(looks))
     episodes = [0] * len(spec.conditions)
@@ -138,9 +132,9 @@ def pick_devices(count: int | None) -> tuple[jax.Device, ...]:
     """Return the first `count` local devices, all when None.
 
     Raises:
-        BadInputError: there are not that many, or `count` is below 1.
+        BadInputError: there are not that many, `count` is below 1, or JAX cannot start.
     """
-    devices = jax.local_devices()
+    devices = local_devices()
     if count is None:
         return tuple(devices)
     if not 1 <= count <= len(devices):
@@ -149,12 +143,6 @@ def pick_devices(count: int | None) -> tuple[jax.Device, ...]:
             f"got {count}"
         )
     return tuple(devices[:count])
-
-
-def unit_jobs(spec: StudySpec, unit: Unit) -> np.ndarray:
-    """Return the job numbers of a unit, int64[J]."""
-    first = unit.shard * spec.shard
-    return np.arange(first, min(first + spec.shard, spec.episodes))
 
 
 def _units(spec: StudySpec, conditions: Sequence[int], episodes: int) -> Iterator[Unit]:
@@ -192,8 +180,9 @@ class _Crew:
         self.devices = devices
         self.listener = listener
         self.timings = Timings(run, devices)
-        self.total = spec.episodes * len(spec.conditions) * len(spec.methods)
-        self.done = sum(self._episodes(unit) for unit in run.done)
+        self.abandoned = threading.Event()
+        self.total = spec.layout.all_rows
+        self.done = self._on_disk()
         listener.begin(self.done, self.total)
 
     def run(self, units: Iterable[Unit]) -> None:
@@ -205,6 +194,7 @@ class _Crew:
                 missing.put(unit)
         if missing.empty():
             return
+        self.directory.check_writable()
         finished: queue.SimpleQueue[tuple[Unit, float] | BaseException | None]
         finished = queue.SimpleQueue()
         stop = threading.Event()
@@ -218,10 +208,13 @@ class _Crew:
             self._follow(finished, len(threads), stop)
         except KeyboardInterrupt:
             stop.set()
-            self.listener.stopping()
-            for thread in threads:
-                thread.join()
-            self.done = sum(self._episodes(unit) for unit in self.directory.done)
+            try:
+                self.listener.stopping()
+                for thread in threads:
+                    thread.join()
+            except KeyboardInterrupt:
+                self.abandoned.set()
+            self.done = self._on_disk()
             raise StudyStoppedError(self.done, self.total) from None
 
     def _follow(
@@ -246,8 +239,8 @@ class _Crew:
             else:
                 unit, seconds = news
                 self.timings.add(unit, seconds)
-                self.done += self._episodes(unit)
-                self.listener.advance(self._episodes(unit))
+                self.done += self.spec.layout.rows(unit)
+                self.listener.advance(self.spec.layout.rows(unit))
         if error is not None:
             raise error
 
@@ -265,6 +258,8 @@ class _Crew:
                     unit = missing.get_nowait()
                     began = time.perf_counter()
                     table = run_unit(self.spec, unit, first_method=number)
+                    if self.abandoned.is_set():
+                        break  # nobody waits, and the run may be another process's by now
                     self.directory.write_shard(unit, table)
                     finished.put((unit, time.perf_counter() - began))
         except queue.Empty:
@@ -274,8 +269,8 @@ class _Crew:
         finally:
             finished.put(None)
 
-    def _episodes(self, unit: Unit) -> int:
-        return len(unit_jobs(self.spec, unit)) * len(self.spec.methods)
+    def _on_disk(self) -> int:
+        return sum(map(self.spec.layout.rows, self.directory.done))
 
 
 @pinned()
@@ -295,7 +290,7 @@ def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame
         RuntimeError: an episode has no ending, or a successful one has a NaN; names the job.
     """
     condition = spec.conditions[unit.condition]
-    jobs = unit_jobs(spec, unit)
+    jobs = spec.layout.jobs(unit)
     scene = spec.mission.pose(condition.case, spec.seed, jobs)  # once, for all methods
     tables = []
     count = len(spec.methods)

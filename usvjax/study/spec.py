@@ -5,13 +5,11 @@ A study file has top-level keys (`StudyFile`), the tables of its mission, and wh
 Both may be given; then every listed combination is crossed with the axes.
 """
 
-import hashlib
-import json
 import math
 import pickle
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +17,7 @@ from typing import Any
 
 from usvjax.checks import file_path, shown
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps.disk import read_text
+from usvjax.maps.disk import noting_reads, read_text
 from usvjax.mission import Case, Files, Mission
 from usvjax.public import public
 from usvjax.registry import find_mission, mission_kinds
@@ -28,7 +26,10 @@ from usvjax.sections import (
     check_top_keys,
     sections_of,
 )
+from usvjax.study.held import NOTHING, Held, Source, words_of
+from usvjax.study.manifest import hash_of
 from usvjax.study.plugin import Plugin, read_plugin
+from usvjax.study.shards import Layout
 from usvjax.study.variants import label_of, overridden, short_names, table_of, variants_of
 from usvjax.suggest import did_you_mean
 from usvjax.tables import MAX_NESTED, check_plain, read_table
@@ -108,6 +109,7 @@ class StudySpec:
         conditions: the settings to run, in order.
         mission: runs the episodes.
         plugin: where the mission is from, if it is a user's own.
+        held: the files that it reads, for its run to hold.
     """
 
     name: str
@@ -122,6 +124,7 @@ class StudySpec:
     conditions: tuple[Condition, ...]
     mission: Mission = field(repr=False, compare=False)
     plugin: Plugin | None = field(default=None, repr=False, compare=False)
+    held: Held = field(default=NOTHING, repr=False, compare=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Take the plug-in's source along: in another process its classes are not known yet."""
@@ -152,11 +155,15 @@ class StudySpec:
             ],
         }
 
+    @property
+    def layout(self) -> Layout:
+        """Which shards it has, and which rows each holds."""
+        return Layout(self.episodes, self.shard, len(self.conditions), self.methods)
+
     @cached_property
     def hash(self) -> str:
         """SHA-256 of the canonical JSON, 64 hexadecimal digits."""
-        text = json.dumps(self.canonical(), sort_keys=True, allow_nan=False)
-        return hashlib.sha256(text.encode()).hexdigest()
+        return hash_of(self.canonical())
 
 
 @public()
@@ -224,10 +231,13 @@ def parse_spec(
     _check_shards(top, len(variants), where)
     names = short_names({key for _, varied, _ in variants for key in varied})
     conditions = []
+    read: dict[Path, str] = {}
     for index, (title, varied, told) in enumerate(variants):
         settings = overridden(given, varied)
         check_homes(settings, sections, where)
-        case = mission.case(settings, files)
+        with noting_reads() as noted:
+            case = mission.case(settings, files)
+        read |= noted
         most = case.most_jobs
         if most is not None and top.episodes > most:
             raise BadInputError(
@@ -252,7 +262,24 @@ def parse_spec(
         conditions=tuple(conditions),
         mission=mission,
         plugin=plugin,
+        held=_held(files.folder, read, plugin, conditions),
     )
+
+
+def _held(
+    folder: Path, read: Mapping[Path, str], plugin: Plugin | None, conditions: Iterable[Condition]
+) -> Held:
+    """What a run must hold: files that were read, and a plug-in with what it imports."""
+    sources = [Source(path, path, digest) for path, digest in read.items()]
+    words = [word for condition in conditions for word in words_of(condition.case.settings)]
+    if plugin is not None:
+        words.append(plugin.name)
+        for name, digest in plugin.beside.items():
+            path = plugin.path.parent / name
+            own = folder / plugin.name
+            place = own if path == plugin.path else own.parent / name
+            sources.append(Source(place, path, digest))
+    return Held.of(folder, sources, words)
 
 
 def _unpacked(plugin: Plugin | None, values: bytes) -> StudySpec:

@@ -1,55 +1,49 @@
 """The run directory: one place on disk that survives being killed at any moment.
 
-    manifest.json      the study, its hash, versions, device, seed; written first
+    manifest.json      the study, its hash, versions, device, seed; written before any shard
+    files/             copies of the files that the study names
     shards/*.parquet   rows of one (condition, shard), all methods
     summary.json, summary.md
+    finished.json      what the summary was made from; written last
     timings.json       seconds per shard; the only file that differs between equal runs
-    figures/
+    figures/           and figures.json, what they were drawn from
 
 Every file is written under a temporary name, synced and renamed, and a shard's name carries
 the SHA-256 of its bytes. So a file that is there is whole, and one that a failing disk has
-damaged since is found out before it is read, and computed again.
+damaged since is found out before it is read, and computed again. The directory itself may be
+reached by a link; inside it, none is followed.
 """
 
-import hashlib
-import io
-import json
 import os
-import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 
 from usvjax.errors import BadInputError
-from usvjax.study.versions import COMPARED, environment
+from usvjax.study import shards
+from usvjax.study.folder import (
+    TEMPORARY,
+    check_no_link,
+    in_one_line,
+    json_bytes,
+    make_folder,
+    open_plain,
+    write_plain,
+)
+from usvjax.study.held import FOLDER as FILES
+from usvjax.study.held import NOTHING, Held
+from usvjax.study.manifest import MANIFEST, check_same, read_manifest
+from usvjax.study.shards import Layout, Unit
 
 try:
     import fcntl
 except ImportError:  # no such locks outside POSIX; there the user must not start a run twice
     fcntl = None  # type: ignore[assignment]
 
-MANIFEST = "manifest.json"
 LOCK = "run.lock"
-
-_TEMPORARY = ".tmp-"
-_SHARD = re.compile(r"c(\d+)-s(\d+)-([0-9a-f]{16})\.parquet")
-
-
-@dataclass(frozen=True, order=True)
-class Unit:
-    """The unit of work and of resuming: some jobs of one condition, with every method.
-
-    Attributes:
-        condition: index of the condition.
-        shard: index of the shard.
-    """
-
-    condition: int
-    shard: int
 
 
 class RunDirectory:
@@ -57,25 +51,25 @@ class RunDirectory:
 
     Attributes:
         path: the directory.
-        done: the units whose shards are on disk and whole.
+        writable: whether it may be written; where not, a finished run can still be read.
+        shards: the files of the units that are on disk and whole.
     """
 
-    def __init__(self, path: Path, lock: io.TextIOWrapper) -> None:
+    def __init__(self, path: Path, layout: Layout, lock: int | None) -> None:
         self.path = path
+        self.writable = lock is not None
+        self._layout = layout
         self._lock = lock
-        self._shards = self._verified_shards()
+        self.shards = self._whole_shards()
 
     @classmethod
-    def open(
-        cls, path: Path, study: Mapping[str, Any], study_hash: str, code: str
-    ) -> "RunDirectory":
+    def open(cls, path: Path, manifest: Mapping[str, Any], held: Held = NOTHING) -> "RunDirectory":
         """Create a run directory, or take up one of the same study and versions.
 
         Args:
             path: the directory; made if absent.
-            study: the canonical study, for the manifest.
-            study_hash: its hash.
-            code: digest of the code that runs it.
+            manifest: of the run; see `usvjax.study.manifest.manifest_of`.
+            held: the files that the study names, to be copied.
 
         Returns:
             The open directory; close it, or leave its `with` block, to release its lock.
@@ -85,20 +79,26 @@ class RunDirectory:
                 written. Nothing in it has been changed.
         """
         path = Path(path)
+        layout = Layout.of(manifest["study"])
         _check_is_ours(path)
-        manifest = {"hash": study_hash, **environment(code), "study": dict(study)}
-        if (path / MANIFEST).exists():
-            _check_same(path, read_manifest(path), manifest)
-        with _clear_errors(path):
-            (path / "shards").mkdir(parents=True, exist_ok=True)
+        if _begun(path, manifest) and not os.access(path, os.W_OK):
+            return cls(path, layout, None)
+        check_no_link(path / FILES)
+        with _writing(path, layout):
+            path.mkdir(parents=True, exist_ok=True)
+            make_folder(path / shards.FOLDER)
             lock = _locked(path)
         try:
-            if not (path / MANIFEST).exists():
-                _write(path / MANIFEST, _json_bytes(manifest))
-            return cls(path, lock)
+            begun = _begun(path, manifest)  # once more: others may have, until it was locked
+            run = cls(path, layout, lock)
+            with _writing(path, layout):
+                held.write(path, (begun or manifest)["files"])
+            if begun is None:
+                run.write_json(MANIFEST, manifest)
         except BaseException:
-            lock.close()
+            os.close(lock)
             raise
+        return run
 
     def __enter__(self) -> "RunDirectory":
         return self
@@ -108,12 +108,14 @@ class RunDirectory:
 
     def close(self) -> None:
         """Release the lock."""
-        self._lock.close()
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
 
     @property
     def done(self) -> frozenset[Unit]:
         """The units whose shards are on disk and whole."""
-        return frozenset(self._shards)
+        return frozenset(self.shards)
 
     def write_shard(self, unit: Unit, table: pl.DataFrame) -> None:
         """Write a unit's rows; they are on disk when this returns.
@@ -125,13 +127,8 @@ class RunDirectory:
         Raises:
             BadInputError: the directory cannot be written or is full.
         """
-        buffer = io.BytesIO()
-        table.write_parquet(buffer, compression="zstd", statistics=False)
-        content = buffer.getvalue()
-        name = f"c{unit.condition:04d}-s{unit.shard:06d}-{_digest(content)}.parquet"
-        path = self.path / "shards" / name
-        _write(path, content)
-        self._shards[unit] = path
+        name, content = shards.encode_shard(unit, table)
+        self.shards[unit] = self.write(f"{shards.FOLDER}/{name}", content)
 
     def read_shard(self, unit: Unit) -> pl.DataFrame:
         """Read a unit's rows.
@@ -141,167 +138,90 @@ class RunDirectory:
 
         Returns:
             The table that `write_shard` was given.
+
+        Raises:
+            BadInputError: the file has been damaged since.
         """
-        return pl.read_parquet(io.BytesIO(self._shards[unit].read_bytes()))
+        return shards.read_shard(self.shards[unit], unit, self._layout)
 
-    def write_json(self, name: str, value: Any) -> Path:
+    def write_json(self, name: str, value: Any) -> None:
         """Write a JSON file into the run directory; errors as `write_shard`."""
-        return _write(self.path / name, _json_bytes(value))
+        self.write(name, json_bytes(value))
 
-    def write_text(self, name: str, text: str) -> Path:
-        """Write a text file into the run directory; errors as `write_shard`."""
-        return _write(self.path / name, text.encode())
+    def check_writable(self) -> None:
+        """Raise BadInputError where the directory may only be read."""
+        if not self.writable:
+            raise BadInputError(
+                f"{self.path} may only be read, and episodes are missing; copy it to where it can "
+                f"be written, and choose that --out"
+            )
 
-    def _verified_shards(self) -> dict[Unit, Path]:
+    def write(self, name: str, content: bytes) -> Path:
+        """Write a file into the run directory; its path. Errors as `write_shard`."""
+        self.check_writable()
+        with _writing(self.path, self._layout):
+            write_plain(self.path / name, content)
+        return self.path / name
+
+    def _whole_shards(self) -> dict[Unit, Path]:
         """List whole shards; remove damaged ones and what a crash left half-written."""
-        shards: dict[Unit, Path] = {}
-        with _clear_errors(self.path):
-            for folder in (self.path, self.path / "shards"):
-                for rubbish in folder.glob(f"{_TEMPORARY}*"):
-                    rubbish.unlink()
-            for path in sorted((self.path / "shards").glob("*.parquet")):
-                match = _SHARD.fullmatch(path.name)
-                if match is None:
-                    continue
-                if _digest(path.read_bytes()) == match[3]:
-                    shards[Unit(int(match[1]), int(match[2]))] = path
-                else:
+        found = shards.find_shards(self.path, self._layout)
+        whole = {unit: path for unit, path in found.items() if shards.is_whole(path)}
+        if self.writable:
+            damaged = [path for unit, path in found.items() if unit not in whole]
+            with _writing(self.path, self._layout):
+                for path in (*damaged, *leftovers(self.path)):
                     path.unlink()
-        return shards
+        return whole
 
 
-def read_manifest(path: Path) -> dict[str, Any]:
-    """Read the manifest of a run directory.
+def _writing(path: Path, layout: Layout) -> AbstractContextManager[None]:
+    """Turn an error of writing into one line, which says whether anything is on disk."""
+    return in_one_line(
+        f"write the run directory at {path}", lambda: bool(shards.find_shards(path, layout))
+    )
 
-    Args:
-        path: the run directory.
 
-    Returns:
-        Its content.
+def leftovers(path: Path) -> list[Path]:
+    """What a crash left half-written in a run."""
+    folders = [path, path / shards.FOLDER]
+    names = [(f, name) for f in folders if f.is_dir() for name in os.listdir(f)]
+    return [folder / name for folder, name in names if name.startswith(TEMPORARY)]
 
-    Raises:
-        BadInputError: there is none, or it cannot be read.
-    """
-    try:
-        manifest = json.loads((path / MANIFEST).read_bytes())
-    except OSError as error:
-        raise BadInputError(f"{path} is not a run of usvjax: no readable {MANIFEST}") from error
-    except ValueError as error:
-        raise BadInputError(f"{path / MANIFEST} is damaged: {error}") from error
-    if not isinstance(manifest, dict) or "study" not in manifest:
-        raise BadInputError(f"{path / MANIFEST} is not a manifest of usvjax")
-    return manifest
+
+def _begun(path: Path, wanted: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The manifest of a run that is there, which must be of the same study and versions."""
+    if not os.path.lexists(path / MANIFEST):
+        return None
+    found = read_manifest(path)
+    check_same(path, found, wanted)
+    return found
 
 
 def _check_is_ours(path: Path) -> None:
     """Refuse a path that holds something other than a run, before touching it."""
-    with _clear_errors(path):
-        if not path.exists() or (path / MANIFEST).exists():
+    with in_one_line(f"write the run directory at {path}"):
+        if not path.exists() or os.path.lexists(path / MANIFEST):
             return
         if not path.is_dir():
             raise BadInputError(f"the run directory {path} is a file; choose another --out")
         # Killed before the manifest was written, a run leaves these and nothing else.
-        foreign = [
-            p.name
-            for p in path.iterdir()
-            if p.name not in (LOCK, "shards") and not p.name.startswith(_TEMPORARY)
-        ]
+        ours = (LOCK, shards.FOLDER, FILES)
+        foreign = [n for n in os.listdir(path) if n not in ours and not n.startswith(TEMPORARY)]
     if foreign:
         raise BadInputError(
             f"the run directory {path} is not empty and not a run of usvjax "
-            f"(it holds {sorted(foreign)[0]!r}); choose another --out or name"
+            f"(it holds {min(foreign)!r}); choose another --out or name"
         )
 
 
-def _check_same(path: Path, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
-    """Refuse to mix two studies, or two versions, in one directory."""
-    remedy = "choose another name or --out, or delete the directory"
-    if found.get("hash") != wanted["hash"]:
-        difference = _first_difference(found["study"], wanted["study"])
-        raise BadInputError(f"{path} holds a run of another study: {difference}; {remedy}")
-    for key, words in COMPARED.items():
-        if found.get(key) != wanted[key]:
-            raise BadInputError(
-                f"{path} holds a run made with {words} {found.get(key)}, this is "
-                f"{wanted[key]}, and results are not mixed; {remedy}"
-            )
-
-
-def _first_difference(found: Any, wanted: Any, where: str = "") -> str:
-    """Name the first place where two JSON values differ."""
-    if isinstance(found, Mapping) and isinstance(wanted, Mapping):
-        for key in sorted(set(found) | set(wanted)):
-            if found.get(key) != wanted.get(key):
-                place = f"{where}.{key}" if where else str(key)
-                return _first_difference(found.get(key), wanted.get(key), place)
-    if isinstance(found, list) and isinstance(wanted, list) and len(found) == len(wanted):
-        for index, (a, b) in enumerate(zip(found, wanted, strict=True)):
-            if a != b:
-                return _first_difference(a, b, f"{where}[{index}]")
-    return f"{where or 'the study'} is {_short(found)} there and {_short(wanted)} here"
-
-
-def _short(value: Any) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 40 else f"{text[:37]}..."
-
-
-def _json_bytes(value: Any) -> bytes:
-    return (json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n").encode()
-
-
-def _digest(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()[:16]
-
-
-def _locked(path: Path) -> io.TextIOWrapper:
+def _locked(path: Path) -> int:
     """Take the directory's lock; the system drops it when the process ends, however it ends."""
-    lock = open(path / LOCK, "w", encoding="utf-8")  # noqa: SIM115 - held until the run directory is closed
+    lock = open_plain(path / LOCK, os.O_RDWR | os.O_CREAT)
     if fcntl is not None:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            lock.close()
+            os.close(lock)
             raise BadInputError(f"{path} is in use by another usvjax process") from None
     return lock
-
-
-def _write(path: Path, content: bytes) -> Path:
-    """Write a file so that after a crash it is there whole or not at all."""
-    temporary = path.with_name(f"{_TEMPORARY}{path.name}")
-    with _clear_errors(path):
-        try:
-            with open(temporary, "wb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(temporary, path)
-            _sync_folder(path.parent)
-        except OSError:
-            with suppress(OSError):
-                temporary.unlink()
-            raise
-    return path
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make a rename durable; a folder cannot be opened for this outside POSIX."""
-    if fcntl is None:
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
-
-
-@contextmanager
-def _clear_errors(path: Path) -> Iterator[None]:
-    """Turn an error of the file system into one line."""
-    try:
-        yield
-    except OSError as error:
-        raise BadInputError(
-            f"cannot write the run directory at {path}: {error.strerror or error}; what was "
-            f"written before is kept, and the same command continues from there"
-        ) from error

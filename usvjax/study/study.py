@@ -1,16 +1,25 @@
 """A study from its spec to its summary."""
 
+import json
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from usvjax.public import public
 from usvjax.study.code import code_digest
+from usvjax.study.finished import FINISHED, SUMMARY, as_recorded, maker, record
+from usvjax.study.folder import json_bytes
+from usvjax.study.manifest import MANIFEST, check_same, manifest_of, read_manifest
 from usvjax.study.report import markdown
-from usvjax.study.runner import Listener, pick_devices, run_episodes
+from usvjax.study.runner import Listener, Progress, pick_devices, run_episodes
+from usvjax.study.shards import Layout, find_shards, is_whole
 from usvjax.study.spec import StudySpec, load_spec
-from usvjax.study.store import RunDirectory
+from usvjax.study.store import RunDirectory, leftovers
 from usvjax.study.summary import summarise
+
+_IN_WORDS = "summary.md"
 
 
 @dataclass(frozen=True)
@@ -20,10 +29,13 @@ class StudyResult:
     Attributes:
         path: its run directory.
         summary: what summary.json holds; see `usvjax.study.summary.summarise`.
+        written: whether the run directory holds this very summary; not where it may only be
+            read, and held an older one or none.
     """
 
     path: Path
     summary: dict[str, Any]
+    written: bool = True
 
 
 @public(jit=True)
@@ -35,6 +47,9 @@ def run_study(
     listener: Listener | None = None,
 ) -> StudyResult:
     """Run a study, or continue one, and summarise it.
+
+    A finished run is read and not written, where its shards and its summary are whole and of
+    this very code; then nothing is computed.
 
     Args:
         study: a spec, or a study file.
@@ -51,13 +66,46 @@ def run_study(
         BadTypeError: a value of the study has the wrong type.
         StudyStoppedError: on Ctrl-C; call again to continue.
     """
-    spec = study if isinstance(study, StudySpec) else load_spec(study)
     workers = pick_devices(devices)
+    spec = study if isinstance(study, StudySpec) else load_spec(study)
     path = Path(out) / spec.name
-    code = code_digest(spec.mission, spec.plugin.path if spec.plugin else None)
-    with RunDirectory.open(path, spec.canonical(), spec.hash, code) as run:
+    plugin = spec.plugin.path if spec.plugin else None
+    by = maker(plugin)
+    manifest = manifest_of(spec.canonical(), code_digest(spec.mission, plugin), spec.held.entry())
+    shown = _shown(path, spec, manifest, by, listener)
+    if shown is not None:
+        return shown
+    with RunDirectory.open(path, manifest, spec.held) as run:
         progress = run_episodes(spec, run, devices=workers, listener=listener)
-        summary = summarise(spec, run, progress)
-        run.write_json("summary.json", summary)
-        run.write_text("summary.md", markdown(summary))
-    return StudyResult(path, summary)
+        return _summarised(spec, run, progress, by)
+
+
+def _shown(
+    path: Path, spec: StudySpec, manifest: Mapping[str, Any], by: str, listener: Listener | None
+) -> StudyResult | None:
+    """A finished run as it is; None where anything is to be computed or written."""
+    if not os.path.lexists(path / MANIFEST):
+        return None
+    found = read_manifest(path)
+    check_same(path, found, manifest)
+    layout = Layout.of(found["study"])
+    shards = find_shards(path, layout)
+    made = as_recorded(path, FINISHED, by, shards.values())
+    if made is None or leftovers(path) or not spec.held.is_whole(path, found["files"]):
+        return None
+    if not all(map(is_whole, shards.values())):
+        return None
+    if listener is not None:
+        listener.begin(sum(map(layout.rows, shards)), layout.all_rows)
+    return StudyResult(path, json.loads(made[SUMMARY]))
+
+
+def _summarised(spec: StudySpec, run: RunDirectory, progress: Progress, by: str) -> StudyResult:
+    """Summarise a run, and write it down where it can be."""
+    summary = summarise(spec, run, progress)
+    made = {SUMMARY: json_bytes(summary), _IN_WORDS: markdown(summary).encode()}
+    if run.writable:
+        for name, content in made.items():
+            run.write(name, content)
+        run.write_json(FINISHED, record(by, run.shards.values(), made))
+    return StudyResult(run.path, summary, run.writable)

@@ -1,11 +1,12 @@
 """What a run was made with: versions, device, and the very code."""
 
+import os
 import platform
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
-import jax
-
+from usvjax.devices import local_devices
 from usvjax.version import __version__
 
 COMPARED = {
@@ -14,8 +15,12 @@ COMPARED = {
     "jax": "jax version",
     "jaxlib": "jaxlib version",
     "device": "device kind",
+    "xla_flags": "XLA_FLAGS",
 }
 """Entries of `environment` that decide results, with words for them; runs may not mix them."""
+
+_IDLE_FLAGS = ("xla_force_host_platform_device_count", "xla_dump_", "xla_log_", "xla_hlo_profile")
+"""Beginnings of flags that decide no result: how many devices there are, and what is told."""
 
 
 def environment(code: str) -> dict[str, Any]:
@@ -27,7 +32,7 @@ def environment(code: str) -> dict[str, Any]:
     Returns:
         JSON-able entries; those in `COMPARED` must be equal for a run to be continued.
     """
-    device = jax.local_devices()[0]
+    device = local_devices()[0]
     packages = ("jax", "jaxlib", "numpy", "scipy", "polars")
     return {
         "usvjax": __version__,
@@ -35,4 +40,21 @@ def environment(code: str) -> dict[str, Any]:
         "python": platform.python_version(),
         **{name: version(name) for name in packages},
         "device": f"{device.platform} {device.device_kind}",
+        "xla_flags": xla_flags(os.environ.get("XLA_FLAGS", "")),
     }
+
+
+def xla_flags(text: str) -> str:
+    """The flags of XLA_FLAGS that may decide results, by name; of several of a name the last."""
+    if text and not text.lstrip().startswith("-"):
+        text = _content(text)
+    flags = {word.lstrip("-").partition("=")[0]: word for word in text.split()}
+    return " ".join(flags[name] for name in sorted(flags) if not name.startswith(_IDLE_FLAGS))
+
+
+def _content(name: str) -> str:
+    """What a file of flags holds, which XLA_FLAGS may name instead."""
+    try:
+        return Path(name).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return name

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import usvjax.missions.dwa.looks  # noqa: F401
-from usvjax.mission import Replay, Replayed
+from usvjax.mission import MOST_CONDITIONS, Replay, Replayed
 from usvjax.missions.dwa.candidates import DwaCandidates, dwa_candidates
 from usvjax.missions.dwa.decision import Decide, Episode, decision_film
 from usvjax.missions.dwa.inputs import pack_episodes
@@ -20,7 +20,6 @@ from usvjax.plots.chart import detail, plot_chart
 from usvjax.plots.distributions import both_reached, plot_distributions
 from usvjax.plots.examples import middle_job, spread_jobs
 from usvjax.plots.film import Film
-from usvjax.plots.overview import MOST_CONDITIONS
 from usvjax.plots.paths import Ending, plot_paths
 from usvjax.plots.rates import plot_success
 from usvjax.study import Run
