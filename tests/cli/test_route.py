@@ -130,7 +130,10 @@ def test_no_route_is_a_status_and_another_exit_code(chart, tmp_path, capsys):
     ("args", "words"),
     [
         (("--from", "7,3", "--to", "1,1"), "--from: 7,3 is blocked; the nearest free cell is 6,3"),
-        (("--from", "1,1", "--to", "16,3"), "--to: 16,3 lies outside the map; wanted 0 <= X < 16"),
+        (
+            ("--from", "1,1", "--to", "16,3"),
+            "--to: '16,3' lies outside the map; wanted 0 <= X < 16",
+        ),
         (("--from=-1,1", "--to", "2,3"), "--from: '-1,1' lies outside the map"),
         (("--from", "1", "--to", "2,3"), "--from: got '1'; wanted two whole numbers X,Y"),
         (("--from", "1.5,2", "--to", "2,3"), "--from: got '1.5,2'; wanted two whole numbers"),
@@ -153,7 +156,7 @@ def test_no_route_is_a_status_and_another_exit_code(chart, tmp_path, capsys):
             ("--from", "1,1", "--to", "2,3", "--max-expansions", "0"),
             "usvjax: --max-expansions",
         ),
-        (("--from", f"{10**20},3", "--to", "1,1"), f"--from: {10**20},3 lies outside the map"),
+        (("--from", f"{10**20},3", "--to", "1,1"), f"--from: '{10**20},3' lies outside the map"),
         (("--from", f"{10**400},3", "--to", "1,1"), "3' lies outside the map; wanted 0 <= X < 16"),
         (
             ("--from", "1e300,3", "--to", "1,1", "--metres"),
