@@ -75,6 +75,7 @@ def _settings(name: str, instead: str, jit: bool) -> Iterator[None]:
     import jax
 
     from usvjax.ambient import pinned
+    from usvjax.devices import naming_the_platform
 
     if jit and getattr(jax.config, "jax_disable_jit"):  # noqa: B009, the stubs lack it
         raise BadInputError(
@@ -82,7 +83,7 @@ def _settings(name: str, instead: str, jit: bool) -> Iterator[None]:
             "ahead without jit"
         )
     try:
-        with pinned():
+        with naming_the_platform(), pinned():
             yield
     except jax.errors.TracerArrayConversionError:
         # Deep within an argument, or all of the call inside a function that JAX traces.

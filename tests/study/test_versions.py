@@ -2,6 +2,7 @@
 
 import json
 
+import jax
 import pytest
 from study_fake import toy_study
 
@@ -39,3 +40,15 @@ def test_a_run_is_not_continued_with_other_flags(tmp_path, monkeypatch):
     monkeypatch.setenv("XLA_FLAGS", "--xla_force_host_platform_device_count=3")
     run_study(spec, tmp_path)
     assert json.loads((path / "manifest.json").read_text())["xla_flags"] == ""
+
+
+def test_a_run_is_not_continued_with_other_settings_of_jax(tmp_path):
+    spec = parse_spec(toy_study(episodes=4))
+    run_study(spec, tmp_path)
+    jax.config.update("jax_disable_most_optimizations", True)
+    try:
+        with pytest.raises(BadInputError, match=r"made with settings of JAX .*=False .*=True"):
+            run_study(spec, tmp_path)
+    finally:
+        jax.config.update("jax_disable_most_optimizations", False)
+    run_study(spec, tmp_path)

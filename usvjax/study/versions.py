@@ -6,6 +6,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import jax
+
 from usvjax.devices import local_devices
 from usvjax.version import __version__
 
@@ -16,8 +18,18 @@ COMPARED = {
     "jaxlib": "jaxlib version",
     "device": "device kind",
     "xla_flags": "XLA_FLAGS",
+    "jax_settings": "settings of JAX",
 }
 """Entries of `environment` that decide results, with words for them; runs may not mix them."""
+
+_DECIDING = (
+    "jax_disable_most_optimizations",
+    "jax_exec_time_optimization_effort",
+    "jax_memory_fitting_effort",
+    "jax_memory_fitting_level",
+    "jax_optimization_level",
+)
+"""Settings of JAX that how it compiles depends on; those in `usvjax.ambient` need no record."""
 
 _IDLE_FLAGS = ("xla_force_host_platform_device_count", "xla_dump_", "xla_log_", "xla_hlo_profile")
 """Beginnings of flags that decide no result: how many devices there are, and what is told."""
@@ -41,7 +53,14 @@ def environment(code: str) -> dict[str, Any]:
         **{name: version(name) for name in packages},
         "device": f"{device.platform} {device.device_kind}",
         "xla_flags": xla_flags(os.environ.get("XLA_FLAGS", "")),
+        "jax_settings": _settings(),
     }
+
+
+def _settings() -> str:
+    """Those of JAX that decide, as "name=value ..."; without those that this JAX lacks."""
+    values = {name: jax.config.values.get(name) for name in _DECIDING}
+    return " ".join(f"{name}={value}" for name, value in values.items() if value is not None)
 
 
 def xla_flags(text: str) -> str:
