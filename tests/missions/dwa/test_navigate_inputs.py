@@ -7,6 +7,7 @@ import pytest
 
 import usvjax as uj
 from usvjax.missions.dwa import candidates, run
+from usvjax.missions.dwa.params import check_dwa
 
 NAN, INF = float("nan"), float("inf")
 OBSTACLES = np.array([[[3.0, 0.0], [0.0, 3.0]]] * 3)  # [3, 2, 2]
@@ -370,3 +371,22 @@ def test_bad_candidates(change: dict[str, Any], error: type[Exception], message:
         uj.dwa_candidates(**good)
     with pytest.raises(error, match=f"^{message}"):
         uj.dwa_candidates(**{**good, **change})
+
+
+@pytest.mark.parametrize(
+    ("choices", "refused"),
+    [
+        ({"n_v": 200, "n_w": 100}, False),
+        ({"n_v": 201, "n_w": 100}, True),
+        ({"n_v": 50, "n_w": 10, "horizon": 10_000, "clearance": "trajectory"}, False),
+        ({"n_v": 51, "n_w": 10, "horizon": 10_000, "clearance": "trajectory"}, True),
+        ({"n_v": 51, "n_w": 10, "horizon": 10_000}, False),
+    ],
+)
+def test_windows_too_large_to_decide_in_are_refused(choices: dict[str, Any], refused: bool) -> None:
+    params, static = uj.DwaParams(w_step=0.5), uj.DwaStatic(**choices)
+    if refused:
+        with pytest.raises(BadInput, match="wanted at most 20,000 candidates, and 5,000,000"):
+            check_dwa(params, static)
+    else:
+        check_dwa(params, static)

@@ -99,8 +99,8 @@ class DwaStatic:
     Attributes:
         method: which obstacles count ("traditional": all of them; "improved": those that the
             search sector at the predicted position meets; Tan et al. 2022, section 3).
-        n_v: candidates along the speed (1 to 1000, at least what the window can hold). In a study
-            as many as that, when left out.
+        n_v: candidates along the speed (1 to 1000, at least what the window can hold; n_v * n_w at
+            most 20,000). In a study as many as the window can hold, when left out.
         n_w: candidates along the yaw rate (1 to 1000, at least what the window can hold). In a
             study as many as that, when left out.
         horizon: steps of the predicted trajectory, which lasts horizon * dt (1 to 10000).
@@ -197,6 +197,8 @@ _NOT_NEGATIVE = ("v_acc", "v_dec", "w_acc", "w_dec", "radius", "stuck_distance",
 _MAY_BE_INFINITE = ("clearance_cap",)
 _MOST = {"n_v": 1000, "n_w": 1000, "horizon": 10_000, "max_steps": 10_000_000}
 _PLAIN = (bool, int, float, str)
+# Of a decision: with more, a program takes minutes to compile and a step of it seconds.
+_MOST_COMMANDS, _MOST_POSITIONS = 20_000, 5_000_000
 _ROUNDING = 1e-6  # of a product such as 3 * 0.1 s
 
 
@@ -290,6 +292,14 @@ def _check_static(params: DwaParams, static: DwaStatic) -> None:
             raise BadInputError(
                 f"static.{name}: got {getattr(static, name)}; wanted at most {most:,}"
             )
+    commands = static.n_v * static.n_w
+    evaluated = commands * (1 if static.clearance == "endpoint" else static.horizon)
+    if commands > _MOST_COMMANDS or evaluated > _MOST_POSITIONS:
+        raise BadInputError(
+            f"static: {static.n_v} x {static.n_w} candidates of {static.horizon} steps; wanted at "
+            f"most {_MOST_COMMANDS:,} candidates, and {_MOST_POSITIONS:,} positions where "
+            "clearance is taken along their trajectories"
+        )
     if not isinstance(static.braking, bool):
         raise BadTypeError(f"static.braking: got {shown(static.braking)}; wanted a bool")
     _check_plant(static.plant, np.ndim(params.dt) > 0)
