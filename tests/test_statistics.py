@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 from scipy import stats
 
 from usvjax.statistics import (
@@ -20,7 +21,7 @@ from usvjax.statistics import (
 
 
 @given(n=st.integers(1, 5000), share=st.floats(0, 1), level=st.floats(0.5, 0.999))
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_wilson_by_its_formula(n, share, level):
     k = round(share * n)
     found = wilson(k, n, level)

@@ -7,9 +7,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from path_cases import centre, packed, routes, sees
+from property_draws import examples
 from scipy.interpolate import BSpline
 
 from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
@@ -32,7 +33,7 @@ MAPS, PATHS, LENGTHS = routes(seed=3, count=24, size=20, density=0.2, far=14)
 # --- line of sight ----------------------------------------------------------------------------
 
 
-@settings(max_examples=15, deadline=None)
+@examples(15)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.05, 0.15, 0.3]), st.booleans())
 def test_line_of_sight_is_exact(seed: int, density: float, corner_cutting: bool) -> None:
     rng = np.random.default_rng(seed)
@@ -129,7 +130,7 @@ def test_corner_cutting_paths_are_shortened_by_their_own_rule() -> None:
 # --- points at a spacing ----------------------------------------------------------------------
 
 
-@settings(max_examples=20, deadline=None)
+@examples(20)
 @given(st.integers(0, 2**32 - 1), st.floats(0.3, 3.0))
 def test_redensify_against_a_plain_loop(seed: int, unit: float) -> None:
     rng = np.random.default_rng(seed)

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from path_cases import islands, packed, routes, shortest_path
+from property_draws import examples
 
 from benchmarks.turning_corners import (
     BOUNDS,
@@ -223,7 +224,7 @@ def test_u_turns_and_straight_paths() -> None:
 # --- corners that share a segment -------------------------------------------------------------
 
 
-@settings(max_examples=12, deadline=None)
+@examples(12)
 @given(st.integers(0, 2**32 - 1))
 def test_neighbours_never_take_more_than_their_segment_holds(seed: int) -> None:
     rng = np.random.default_rng(seed)

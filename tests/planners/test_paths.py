@@ -7,8 +7,9 @@ import jax
 import numpy as np
 import pytest
 from grid_oracle import check_path, lengths
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from usvjax.planners import ALGORITHMS, PlanResult, plan_paths
 from usvkernels.status import Status
@@ -55,7 +56,7 @@ def assert_same(one: PlanResult, other: PlanResult, rows: list[int]) -> None:
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
-@settings(max_examples=10, deadline=None)
+@examples(10)
 @given(seed=st.integers(0, 2**31), density=st.sampled_from((0.0, 0.1, 0.2, 0.35, 0.6)))
 def test_plans_are_paths(algorithm: str, seed: int, density: float) -> None:
     blocked, starts, goals = scene(seed, density)

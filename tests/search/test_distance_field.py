@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 from grid_oracle import lengths
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 import usvjax as uj
 from usvjax.search.distance import distance_field
@@ -54,7 +55,7 @@ def test_other_shapes(shape: tuple[int, int]) -> None:
     assert_exact(distance_field(blocked, goals), blocked, goals, {})
 
 
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(st.integers(0, 2**32 - 1))
 def test_any_map(seed: int) -> None:
     blocked, goals = random_fields(seed, 8, (24, 37))

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 from tour_cases import plain_length, shortest, straight
 
 from usvjax.tours import optimal_tour, solve_tour, tour_length
@@ -22,7 +23,7 @@ def test_exact_is_the_best_of_all_orders(count: int, closed: bool) -> None:
     np.testing.assert_allclose(found, wanted, rtol=1e-5)
 
 
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(st.integers(0, 2**31), st.booleans())
 def test_lengths_leg_by_leg(seed: int, closed: bool) -> None:
     rng = np.random.default_rng(seed)
@@ -43,7 +44,7 @@ def test_lengths_leg_by_leg(seed: int, closed: bool) -> None:
     assert shared[2] == pytest.approx(plain_length(order[2].tolist(), straight(points[0]), closed))
 
 
-@settings(max_examples=20, deadline=None)
+@examples(20)
 @given(st.integers(0, 2**31), st.floats(1e-6, 1e9), st.floats(-1e3, 1e3))
 def test_the_optimum_does_not_depend_on_unit_or_place(seed: int, unit: float, east: float) -> None:
     points = np.random.default_rng(seed).random((7, 2))
