@@ -134,12 +134,15 @@ def test_expansion_is_undone_by_its_inverse(seed: int) -> None:
     points = rng.uniform(-10, 10, (4, 6, 2)).astype(np.float32)
     centres = rng.uniform(-10, 10, (4, 2)).astype(np.float32)
     expansion = rng.uniform(0, 3, 4).astype(np.float32)
-    grown = grids.expand_about_centre(points, centres, expansion)
-    scale = np.linalg.norm(grown - centres[:, None], axis=-1)
-    before = np.linalg.norm(points - centres[:, None], axis=-1)
-    np.testing.assert_allclose(scale, before * (1 + expansion[:, None]), rtol=1e-4)
+    grown = np.asarray(grids.expand_about_centre(points, centres, expansion))
+    exact = [a.astype(np.float64) for a in (points, centres[:, None], expansion[:, None, None])]
+    place, centre, more = exact
+    # Single precision: differences of 20, grown to 80, are rounded three times by 5e-6 at most, a
+    # sum of 90 by 4e-6. The way back divides all of it again, and rounds once more.
+    wanted = centre + (1 + more) * (place - centre)
+    np.testing.assert_allclose(grown, wanted, rtol=0, atol=2e-5)
     back = grids.expand_about_centre(grown, centres, -expansion / (1 + expansion))
-    np.testing.assert_allclose(back, points, atol=1e-4)
+    np.testing.assert_allclose(back, points, rtol=0, atol=3e-5)
 
 
 # --- shoreline -------------------------------------------------------------------------------

@@ -35,6 +35,7 @@ def test_geometric_sum_is_the_sum_of_powers(angle: float, n: int) -> None:
     z = cmath.exp(1j * angle)
     with enable_x64():
         total, power = geometric_sum((jnp.float64(z.real), jnp.float64(z.imag)), n)
+    # The oracle's powers err by less than 2 k roundings of 1.1e-16 each, k up to 200: by 5e-14.
     assert abs(complex(*map(float, total)) - sum(z**k for k in range(n))) <= 1e-12 * n
     assert abs(complex(*map(float, power)) - z**n) <= 1e-12
 

@@ -48,11 +48,12 @@ def test_a_turn_back_on_itself_is_finite() -> None:
 
 # --- clearance --------------------------------------------------------------------------------
 
-# Points are measured half a cell apart along the path, and at its end: no place on it is more than
-# a quarter of a cell from one. So what is found is never less than the clearance of the path, and
-# a quarter of a cell more at most, but for single precision: a coordinate of up to 400 cells is
-# rounded by 2e-5, a length of up to 400 summed in it by some 1e-4 cells.
-TOO_LARGE, ROUNDING = 0.25, 2e-4  # cells
+# Points are measured half a cell apart along the path, the last of them up to a thousandth of that
+# more, and at its end: no place on it is more than a quarter of a cell from one. So what is found
+# is never less than the clearance of the path, and a quarter of a cell more at most, but for single
+# precision: a coordinate of up to 400 cells is rounded by 2e-5, a length of up to 400 summed in it
+# by some 1e-4 cells.
+TOO_LARGE, ROUNDING = 0.25 * 1.001, 2e-4  # cells
 
 
 @examples(15)
@@ -73,6 +74,17 @@ def test_clearance_against_exact_distances(seed: int, density: float) -> None:
             assert wanted + TOO_LARGE + ROUNDING > 8
         else:
             assert wanted - ROUNDING <= got <= min(wanted + TOO_LARGE + ROUNDING, 8)
+
+
+def test_clearance_where_no_point_is_measured_is_too_large_by_a_quarter_of_a_cell() -> None:
+    """Paths that touch land where they turn back, wherever that is between two points."""
+    blocked = np.zeros((9, 9), bool)
+    blocked[4, 5] = True
+    starts = np.linspace(2, 2.95, 20)
+    paths = np.array([[[x, 4.5], [5.0, 4.5], [1.0, 4.5]] for x in starts])
+    found = path_metrics(paths, None, blocked).clearance
+    assert found is not None
+    assert 0.9 * TOO_LARGE < found.max() <= TOO_LARGE + ROUNDING
 
 
 def test_clearance_on_a_blocked_cell_and_without_any() -> None:

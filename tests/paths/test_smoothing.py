@@ -138,6 +138,11 @@ def test_redensify_against_a_plain_loop(seed: int, unit: float) -> None:
     points = rng.uniform(-20, 20, (5, 6, 2)) + np.array([4e5, 6e6])  # as UTM coordinates are
     found = redensify(points, counts, unit)
     for row, count in enumerate(counts):
+        # The last unit of a leg may be longer by 1e-4. Units are counted in single precision: of
+        # up to 200 in a leg, by 4e-5. As near as that to a whole number, either is right.
+        legs = np.linalg.norm(np.diff(points[row, :count], axis=0), axis=1) / unit - 1e-4
+        if (np.abs(legs - np.round(legs)) < 4e-5).any():
+            continue
         wanted = []
         for a, b in zip(points[row, : count - 1], points[row, 1:count], strict=False):
             pieces = max(1, int(np.ceil(np.linalg.norm(b - a) / unit - 1e-4)))
@@ -146,7 +151,8 @@ def test_redensify_against_a_plain_loop(seed: int, unit: float) -> None:
         wanted += [points[row, count - 1]] if count else []
         assert found.path_cells[row] == len(wanted)
         if count:
-            np.testing.assert_allclose(found.path[row, : len(wanted)], wanted, atol=1e-4)
+            # Of up to 200 m about the first point, in single precision.
+            np.testing.assert_allclose(found.path[row, : len(wanted)], wanted, rtol=0, atol=1e-4)
             assert (found.path[row, len(wanted) - 1 :] == points[row, count - 1]).all()
 
 

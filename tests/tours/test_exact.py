@@ -20,7 +20,7 @@ def test_exact_is_the_best_of_all_orders(count: int, closed: bool) -> None:
     assert (order[:, 0] == 0).all()
     found = tour_length(order, distances=tables, closed=closed)
     wanted = [shortest(table, closed) for table in tables]
-    np.testing.assert_allclose(found, wanted, rtol=1e-5)
+    np.testing.assert_allclose(found, wanted, rtol=2e-6)  # compared in single precision
 
 
 @examples(25)
@@ -50,9 +50,11 @@ def test_the_optimum_does_not_depend_on_unit_or_place(seed: int, unit: float, ea
     points = np.random.default_rng(seed).random((7, 2))
     length = solve_tour(points).length[0]
     moved = solve_tour(unit * (points[:, ::-1] + [east, -east]))
-    assert moved.length[0] == pytest.approx(unit * length, rel=1e-5)
+    # Seven legs are compared in single precision, each rounded by 6e-8 of itself: of two tours as
+    # near as 1e-6, either may be taken.
+    assert moved.length[0] == pytest.approx(unit * length, rel=2e-6)
     mixed = [0, *(1 + np.random.default_rng(seed).permutation(6))]
-    assert solve_tour(points[mixed]).length[0] == pytest.approx(length, rel=1e-5)
+    assert solve_tour(points[mixed]).length[0] == pytest.approx(length, rel=2e-6)
 
 
 def ring(count: int) -> np.ndarray:
