@@ -35,9 +35,11 @@ def test_curvature_of_samples_is_that_of_the_arc() -> None:
     path = np.array([[[10.0, 20.0], [60.0, 20.0], [60.0, 70.0]]])
     arcs = smooth_turns(path, None, np.zeros((80, 80), bool), turning_radius=8.0, spacing=0.4)
     found = path_metrics(arcs.points, arcs.counts)
-    assert found.curvature[0] == pytest.approx(arcs.curvature_bound[0], rel=1e-2)
+    # Places of 64 are rounded by 4e-6: the course of a chord of 0.4, which turns by 0.05, by 2e-5.
+    assert found.curvature[0] == pytest.approx(arcs.curvature_bound[0], rel=2 * 2e-5 / 0.05)
     assert found.turning[0] == pytest.approx(np.pi / 2, rel=1e-3)
-    assert found.length[0] == pytest.approx(arcs.length[0], rel=1e-4)
+    # Chords of s fall short of an arc by s**2 / (24 R**2) of it.
+    assert 0 <= 1 - found.length[0] / arcs.length[0] <= 0.05**2 / 24
 
 
 def test_a_turn_back_on_itself_is_finite() -> None:
