@@ -204,6 +204,7 @@ def test_margin_keeps_arcs_off() -> None:
     plain = one_turn(np.pi / 2, near, turning_radius=5.0)
     kept = one_turn(np.pi / 2, near, turning_radius=5.0, margin=0.2)
     for found, margin in ((plain, 0.0), (kept, 0.2)):
+        # Samples see less of an arc than there is: a gap too small at one is a fault for certain.
         for x, y in found.points[0, : found.counts[0]] - 64:
             gap = np.hypot(max(-3 - x, x + 2, 0), max(2 - y, y - 3, 0))
             assert gap > margin or found.turns.ravel()[0] == Turn.UNFITTED
