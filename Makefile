@@ -3,13 +3,16 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: study test lint bench clean
+.PHONY: study test fuzz lint bench clean
 
 study: $(VENV)/.installed  ## install, then run the main job: table, figures, paths
 	$(BIN)/usvjax study studies/tan2022.toml
 
 test: $(VENV)/.tools  ## install, then run the tests
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+
+fuzz: $(VENV)/.tools  ## the tests again, their properties on ten times as many new cases
+	USVJAX_FUZZ=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 lint: $(VENV)/.tools  ## linter, formatter and type checker
 	$(BIN)/ruff check .

@@ -1,6 +1,20 @@
-"""What holds for all tests: the same terminal, which is none."""
+"""What holds for all tests: the same cases in every run, and no terminal."""
 
 import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
+from property_draws import FUZZ
+
+# No verdict depends on the clock: the first case of a test may compile for seconds.
+TIMELESS = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("same", derandomize=True, **TIMELESS)
+settings.register_profile("fuzz", derandomize=False, max_examples=1000, print_blob=True, **TIMELESS)
+settings.load_profile("fuzz" if FUZZ else "same")
+
+if not FUZZ:
+    # Hypothesis also draws constants of the modules imported so far: those differ with the tests
+    # that ran before in the same process. There is no setting for it, so its version is pinned.
+    providers._get_local_constants = lambda: providers._local_constants
 
 
 @pytest.fixture(autouse=True)

@@ -4,8 +4,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from usvkernels.trig import angle_between, sincos, wrap_angle
 
@@ -107,7 +108,7 @@ def test_angle_between_on_the_axes(across: float, along: float, angle: float) ->
 @example(3 * float(PI))
 @example(-0.0)
 @example(1e-45)
-@settings(max_examples=200, deadline=None)
+@examples(200)
 def test_wrap_angle(angle: float) -> None:
     wrapped = np.asarray(wrap(jnp.float32(angle)))
     assert wrapped.dtype == np.float32

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from dwa_situations import enable_x64
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from usvkernels.trig import angle_between, sincos, wrap_angle
 from usvkernels.vessel import PLANTS, complex_product, geometric_sum
@@ -29,11 +30,12 @@ def turns_apart(a: float, b: float) -> float:
 
 @given(HEADINGS, st.integers(1, 200))
 @example(0.0, 200)
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_geometric_sum_is_the_sum_of_powers(angle: float, n: int) -> None:
     z = cmath.exp(1j * angle)
     with enable_x64():
         total, power = geometric_sum((jnp.float64(z.real), jnp.float64(z.imag)), n)
+    # The oracle's powers err by less than 2 k roundings of 1.1e-16 each, k up to 200: by 5e-14.
     assert abs(complex(*map(float, total)) - sum(z**k for k in range(n))) <= 1e-12 * n
     assert abs(complex(*map(float, power)) - z**n) <= 1e-12
 
@@ -46,7 +48,7 @@ def test_geometric_sum_is_exact_without_rotation() -> None:
 
 
 @given(METRES, METRES, HEADINGS, SPEEDS, RATES, PERIODS)
-@settings(max_examples=80, deadline=None)
+@examples(80)
 def test_plants_against_complex_numbers(
     x: float, y: float, psi: float, v: float, w: float, dt: float
 ) -> None:
@@ -70,7 +72,7 @@ def test_plants_against_complex_numbers(
 @example(math.nextafter(math.pi, 0.0))
 @example(math.nextafter(-math.pi, -4.0))
 @example(-1e-17)
-@settings(max_examples=300, deadline=None)
+@examples(300)
 def test_wrap_angle_float64(angle: float) -> None:
     with enable_x64():
         wrapped = float(wrap_angle(jnp.float64(angle)))
@@ -128,7 +130,7 @@ def test_angle_between_nothing_is_dead_ahead() -> None:
 
 
 @given(METRES, METRES, METRES, METRES)
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_complex_product(a: float, b: float, c: float, d: float) -> None:
     with enable_x64():
         got = complex_product((jnp.float64(a), jnp.float64(b)), (jnp.float64(c), jnp.float64(d)))

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
+from property_draws import examples
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap, hongze_lake, load_map, save_map
@@ -30,7 +31,7 @@ def write(path: Path, content: str | bytes) -> Path:
 # --- round trips -----------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(CELLS, SIZES, PLACES, st.sampled_from([".map", ".yaml", ".yml"]))
 def test_round_trip_with_scale_and_place(
     blocked: np.ndarray, cell_size: float, origin: tuple[float, float], suffix: str
@@ -43,7 +44,7 @@ def test_round_trip_with_scale_and_place(
         assert sorted(written) == sorted(Path(folder).iterdir())
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(CELLS, SIZES, PLACES, st.sampled_from([".png", ".pgm", ".PNG"]))
 def test_round_trip_of_images(
     blocked: np.ndarray, cell_size: float, origin: tuple[float, float], suffix: str
@@ -55,7 +56,7 @@ def test_round_trip_of_images(
         assert load_map(str(path), cell_size=cell_size, origin=origin) == grid
 
 
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(CELLS)
 def test_a_plain_movingai_map_needs_no_sidecar(blocked: np.ndarray) -> None:
     with tempfile.TemporaryDirectory() as folder:

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 from scipy.stats import binomtest
 
 from usvjax.maps import lattice
@@ -42,7 +43,7 @@ def test_bernoulli_rate_is_met_at_every_point():
 
 
 @given(rate=st.floats(0, 1), seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=25, deadline=None)
+@examples(25)
 def test_count_is_exact(rate, seed):
     _, valid = draw(seed, JOBS[:20], rate=rate, meaning="count")
     assert (valid.sum(axis=1) == round(rate * 119)).all()

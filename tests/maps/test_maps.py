@@ -8,9 +8,10 @@ import jax
 import networkx as nx
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
+from property_draws import examples
 from scipy import ndimage
 from scipy.spatial.distance import cdist
 
@@ -93,7 +94,7 @@ def test_extent_shape_and_share() -> None:
     assert grid.free_share == pytest.approx(2 / 3)
 
 
-@settings(max_examples=50, deadline=None)
+@examples(50)
 @given(
     CELLS,
     st.floats(1e-3, 1e3),
@@ -133,7 +134,7 @@ def test_points_must_be_numbers(points: object) -> None:
         GridMap(OPEN).cells_of(points)
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(CELLS, st.floats(0.1, 50.0))
 def test_clearance_against_all_pairs(blocked: np.ndarray, cell_size: float) -> None:
     land = np.argwhere(blocked)
@@ -166,7 +167,7 @@ def test_inflated_refuses(radius: object, error: type[Exception]) -> None:
 # --- refinement ------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(CELLS, st.integers(1, 6))
 def test_refined_is_bilinear_interpolation(blocked: np.ndarray, factor: int) -> None:
     grid = GridMap(blocked, 12.0, (3.0, -4.0)).refined(factor)
@@ -184,7 +185,7 @@ def test_refined_by_one_is_the_same_map() -> None:
     assert grid.refined(1) == grid
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(CELLS, st.sampled_from([3, 5]))
 def test_refined_keeps_water_connected(blocked: np.ndarray, factor: int) -> None:
     """With an odd factor, the middle one of the new cells has the old one's centre."""
@@ -222,7 +223,7 @@ def eight_connected(blocked: np.ndarray) -> nx.Graph:
     return graph
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(CELLS)
 def test_components_are_what_a_planner_can_reach(blocked: np.ndarray) -> None:
     grid = GridMap(blocked)

@@ -7,9 +7,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from path_cases import centre, packed, routes, sees
+from property_draws import examples
 from scipy.interpolate import BSpline
 
 from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
@@ -32,7 +33,7 @@ MAPS, PATHS, LENGTHS = routes(seed=3, count=24, size=20, density=0.2, far=14)
 # --- line of sight ----------------------------------------------------------------------------
 
 
-@settings(max_examples=15, deadline=None)
+@examples(15)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.05, 0.15, 0.3]), st.booleans())
 def test_line_of_sight_is_exact(seed: int, density: float, corner_cutting: bool) -> None:
     rng = np.random.default_rng(seed)
@@ -129,7 +130,7 @@ def test_corner_cutting_paths_are_shortened_by_their_own_rule() -> None:
 # --- points at a spacing ----------------------------------------------------------------------
 
 
-@settings(max_examples=20, deadline=None)
+@examples(20)
 @given(st.integers(0, 2**32 - 1), st.floats(0.3, 3.0))
 def test_redensify_against_a_plain_loop(seed: int, unit: float) -> None:
     rng = np.random.default_rng(seed)
@@ -137,6 +138,11 @@ def test_redensify_against_a_plain_loop(seed: int, unit: float) -> None:
     points = rng.uniform(-20, 20, (5, 6, 2)) + np.array([4e5, 6e6])  # as UTM coordinates are
     found = redensify(points, counts, unit)
     for row, count in enumerate(counts):
+        # The last unit of a leg may be longer by 1e-4. Units are counted in single precision: of
+        # up to 200 in a leg, by 4e-5. As near as that to a whole number, either is right.
+        legs = np.linalg.norm(np.diff(points[row, :count], axis=0), axis=1) / unit - 1e-4
+        if (np.abs(legs - np.round(legs)) < 4e-5).any():
+            continue
         wanted = []
         for a, b in zip(points[row, : count - 1], points[row, 1:count], strict=False):
             pieces = max(1, int(np.ceil(np.linalg.norm(b - a) / unit - 1e-4)))
@@ -145,7 +151,8 @@ def test_redensify_against_a_plain_loop(seed: int, unit: float) -> None:
         wanted += [points[row, count - 1]] if count else []
         assert found.path_cells[row] == len(wanted)
         if count:
-            np.testing.assert_allclose(found.path[row, : len(wanted)], wanted, atol=1e-4)
+            # Of up to 200 m about the first point, in single precision.
+            np.testing.assert_allclose(found.path[row, : len(wanted)], wanted, rtol=0, atol=1e-4)
             assert (found.path[row, len(wanted) - 1 :] == points[row, count - 1]).all()
 
 
@@ -168,13 +175,20 @@ def test_bspline_against_scipy() -> None:
         inner = np.arange(1, n - degree) / (n - degree)
         knots = np.concatenate([np.zeros(degree + 1), inner, np.ones(degree + 1)])
         curve = BSpline(knots, paths[row, :n], degree)
-        np.testing.assert_allclose(found.points[row], curve(at), atol=2e-3)
         speed = curve.derivative()(at)
         bend = curve.derivative(2)(at) if degree > 1 else np.zeros_like(speed)
         across = speed[:, 0] * bend[:, 1] - speed[:, 1] * bend[:, 0]
-        wanted = across / np.linalg.norm(speed, axis=1) ** 3
-        np.testing.assert_allclose(found.curvature[row], wanted, rtol=2e-2, atol=1e-4)
+        fast = np.linalg.norm(speed, axis=1)
+        wanted = across / fast**3
+        # In single precision the parameter, of 10 spans at most, is off by a few roundings of 1e-7:
+        # a place by as much of the speed, a course by as much of the turn; and what is computed
+        # with coordinates of 100 m and their differences, of it.
+        late = 4e-7
+        off = np.linalg.norm(found.points[row] - curve(at), axis=1)
+        assert (off <= late * fast + 2e-5).all()
         course = np.stack([np.cos(found.heading[row]), np.sin(found.heading[row])], axis=1)
-        unit = speed / np.linalg.norm(speed, axis=1, keepdims=True)
-        np.testing.assert_allclose(course, unit, atol=2e-3)
+        turned = np.linalg.norm(course - speed / fast[:, None], axis=1)
+        assert (turned <= late * (np.abs(wanted) * fast + 100 / fast) + 4e-7).all()
+        # Curvature divides by the cube of a speed that is off by 100 * late and 11 at least.
+        np.testing.assert_allclose(found.curvature[row], wanted, rtol=1e-4, atol=1e-5)
         assert (found.points[row, [0, -1]] == paths[row, [0, n - 1]]).all()

@@ -7,8 +7,9 @@ import jax
 import numpy as np
 import pytest
 from grid_oracle import check_path, lengths
-from hypothesis import given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from usvjax.planners import ALGORITHMS, PlanResult, plan_paths
 from usvkernels.status import Status
@@ -55,8 +56,9 @@ def assert_same(one: PlanResult, other: PlanResult, rows: list[int]) -> None:
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
-@settings(max_examples=10, deadline=None)
+@examples(10)
 @given(seed=st.integers(0, 2**31), density=st.sampled_from((0.0, 0.1, 0.2, 0.35, 0.6)))
+@example(seed=123233613, density=0.35)  # finds its first path late
 def test_plans_are_paths(algorithm: str, seed: int, density: float) -> None:
     blocked, starts, goals = scene(seed, density)
     result = plan(algorithm, (blocked, starts, goals), seed)
@@ -80,7 +82,8 @@ def test_plans_are_paths(algorithm: str, seed: int, density: float) -> None:
         assert cost >= shortest - 1e-9
         assert result.history[row, -1] == pytest.approx(cost, rel=1e-6)
         if algorithm != "ga":
-            assert (np.diff(result.history[row]) <= 0).all() or np.isinf(result.history[row, 0])
+            history = result.history[row]  # inf until there is a path
+            assert (history[1:] <= history[:-1]).all()
         if algorithm == "aco":
             assert len({tuple(cell) for cell in path.tolist()}) == count
 

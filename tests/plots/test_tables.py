@@ -7,8 +7,9 @@ from figure_checks import (
     assert_inside,
     legend_texts,
 )
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 import usvjax.missions.dwa.looks  # noqa: F401
 from usvjax import plots
@@ -142,7 +143,7 @@ def test_distributions_refuse():
         plots.plot_distributions(table.with_columns(status=pl.lit(2)))
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(st.lists(st.sampled_from([1, 2, 3, 4]), min_size=1, max_size=200))
 def test_rates_add_up_and_lie_in_their_wilson_intervals(statuses):
     n = len(statuses)

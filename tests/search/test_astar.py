@@ -49,7 +49,7 @@ def test_costs_equal_dijkstra(corner_cutting: bool) -> None:
         shortest(b, s, g, corner_cutting)
         for b, s, g in zip(scenes.blocked, scenes.starts, scenes.goals, strict=True)
     ]
-    np.testing.assert_allclose(found.cost, wanted, atol=1e-6)
+    np.testing.assert_allclose(found.cost, wanted, rtol=1e-12)
     assert (found.status == np.where(np.isfinite(wanted), Status.FOUND, Status.UNREACHABLE)).all()
     assert 50 < np.isinf(wanted).sum() < 300
     assert_valid(scenes, found, corner_cutting)
@@ -88,10 +88,10 @@ def test_expands_what_a_heap_does(options: dict[str, Any]) -> None:
             connectivity=options.get("connectivity", 8),
         )
         if overestimates:
-            assert optimum - 1e-6 <= found.cost[row]
-            assert np.isinf(optimum) or found.cost[row] <= options.get("weight", 2) * optimum + 1e-6
+            assert optimum - 1e-9 <= found.cost[row]
+            assert np.isinf(optimum) or found.cost[row] <= options.get("weight", 2) * optimum + 1e-9
         else:
-            assert found.cost[row] == pytest.approx(optimum, abs=1e-6)
+            assert found.cost[row] == pytest.approx(optimum, rel=1e-12)
     assert_valid(scenes, found)
 
 
@@ -135,7 +135,7 @@ def test_a_shared_map_is_the_same_as_copies_of_it() -> None:
     copies = np.repeat(blocked[None], 150, axis=0)
     assert_same(one, astar(copies, *ends, engine="queue", max_lanes=16))
     wanted = [shortest(blocked, s, g) for s, g in ends.transpose(1, 0, 2)[:40]]
-    np.testing.assert_allclose(one.cost[:40], wanted, atol=1e-6)
+    np.testing.assert_allclose(one.cost[:40], wanted, rtol=1e-12)
     assert_same(one, astar(uj.GridMap(blocked), *ends, engine="queue", max_lanes=16))
 
 
@@ -191,7 +191,7 @@ def test_a_path_too_long_for_the_keys_is_said_to_be() -> None:
     ends = np.array([[0, 0], [0, 100]])
     found = astar(blocked, [0, 0], [[199, 300], [0, 100], [0, 0]], engine="queue")
     assert found.status.tolist() == [Status.OUT_OF_BUDGET, Status.FOUND, Status.FOUND]
-    assert found.cost[1] == pytest.approx(shortest(blocked, *ends), abs=1e-3)
+    assert found.cost[1] == pytest.approx(shortest(blocked, *ends), rel=1e-12)
 
 
 @pytest.mark.parametrize(

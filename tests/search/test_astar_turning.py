@@ -40,7 +40,7 @@ def test_exact_is_the_least_sum(turn_cost: float) -> None:
         least_with_turning(b, s, g, turn_cost)
         for b, s, g in zip(SCENES.blocked, SCENES.starts, SCENES.goals, strict=True)
     ]
-    np.testing.assert_allclose(found.cost, wanted, atol=1e-5)
+    np.testing.assert_allclose(found.cost, wanted, rtol=1e-12)
     assert np.isfinite(wanted).sum() > 30
     assert_costs_are_those_of_the_paths(found, turn_cost)
 

@@ -8,8 +8,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from usvkernels.search import pqueue, pqueue_heap
 from usvkernels.search.pqueue import ABSENT
@@ -78,7 +79,7 @@ def test_layouts_have_the_levels_they_say() -> None:
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
-@settings(max_examples=15, deadline=None)
+@examples(15)
 @given(seed=st.integers(0, 2**32 - 1), few_keys=st.booleans(), pushes=st.floats(0.3, 0.9))
 def test_like_heapq(name: str, seed: int, few_keys: bool, pushes: float) -> None:
     sizes, go = LAYOUTS[name], jnp.bool_(True)
@@ -143,7 +144,7 @@ def test_pop_all_in_order_while_others_are_lowered(name: str) -> None:
         assert out[lane] == sorted(zip(keys[:, lane].tolist(), range(CELLS), strict=True))
 
 
-@settings(max_examples=200, deadline=None)
+@examples(200)
 @given(
     a=st.tuples(st.integers(0, 2**24 - 2), st.integers(0, 500)),
     b=st.tuples(st.integers(0, 2**24 - 2), st.integers(0, 500)),
@@ -164,7 +165,7 @@ _push = jax.jit(pqueue_heap.push)
 _pop = jax.jit(pqueue_heap.pop)
 
 
-@settings(max_examples=15, deadline=None)
+@examples(15)
 @given(seed=st.integers(0, 2**32 - 1), few_keys=st.booleans(), pushes=st.floats(0.3, 0.9))
 def test_heaps_like_heapq(seed: int, few_keys: bool, pushes: float) -> None:
     rng = np.random.default_rng(seed)

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from grid_oracle import check_path, lengths
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from usvjax.search.inputs import SearchScene, search_scene
 from usvjax.search.sweeping import SweepPaths, pack_maps, sweep_paths
@@ -90,7 +91,7 @@ def test_thin_maps(shape: tuple[int, int]) -> None:
     assert_exact(scene, sweep_paths(scene), {})
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(st.integers(0, 2**32 - 1), st.floats(0, 0.7), st.sampled_from(list(RULES)))
 def test_any_map(seed: int, density: float, rule: str) -> None:
     scene = random_scene(seed, 9, (12, 31), density)

@@ -8,8 +8,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from usvjax.swarms import minimising as module
 from usvjax.swarms.algorithms import ALGORITHMS
@@ -174,7 +175,7 @@ def test_ants_choose_ranks_by_a_gaussian(archive: int) -> None:
     np.testing.assert_allclose(chances, np.cumsum(weight / weight.sum(0), axis=0), atol=1e-5)
 
 
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(z=st.floats(0, 1))
 def test_logistic_map_never_dies(z: float) -> None:
     value = jnp.float32(z)

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 from tour_cases import plain_length, shortest, straight
 
 from usvjax.tours import optimal_tour, solve_tour, tour_length
@@ -19,10 +20,10 @@ def test_exact_is_the_best_of_all_orders(count: int, closed: bool) -> None:
     assert (order[:, 0] == 0).all()
     found = tour_length(order, distances=tables, closed=closed)
     wanted = [shortest(table, closed) for table in tables]
-    np.testing.assert_allclose(found, wanted, rtol=1e-5)
+    np.testing.assert_allclose(found, wanted, rtol=2e-6)  # compared in single precision
 
 
-@settings(max_examples=25, deadline=None)
+@examples(25)
 @given(st.integers(0, 2**31), st.booleans())
 def test_lengths_leg_by_leg(seed: int, closed: bool) -> None:
     rng = np.random.default_rng(seed)
@@ -43,15 +44,17 @@ def test_lengths_leg_by_leg(seed: int, closed: bool) -> None:
     assert shared[2] == pytest.approx(plain_length(order[2].tolist(), straight(points[0]), closed))
 
 
-@settings(max_examples=20, deadline=None)
+@examples(20)
 @given(st.integers(0, 2**31), st.floats(1e-6, 1e9), st.floats(-1e3, 1e3))
 def test_the_optimum_does_not_depend_on_unit_or_place(seed: int, unit: float, east: float) -> None:
     points = np.random.default_rng(seed).random((7, 2))
     length = solve_tour(points).length[0]
     moved = solve_tour(unit * (points[:, ::-1] + [east, -east]))
-    assert moved.length[0] == pytest.approx(unit * length, rel=1e-5)
+    # Seven legs are compared in single precision, each rounded by 6e-8 of itself: of two tours as
+    # near as 1e-6, either may be taken.
+    assert moved.length[0] == pytest.approx(unit * length, rel=2e-6)
     mixed = [0, *(1 + np.random.default_rng(seed).permutation(6))]
-    assert solve_tour(points[mixed]).length[0] == pytest.approx(length, rel=1e-5)
+    assert solve_tour(points[mixed]).length[0] == pytest.approx(length, rel=2e-6)
 
 
 def ring(count: int) -> np.ndarray:

@@ -101,7 +101,10 @@ def test_kicks_beyond_24_stations() -> None:
 
 
 def lin_kernighan(points: np.ndarray) -> float:
-    """Best of ten runs of LKH, on distances in thousandths."""
+    """Best of ten runs of LKH, on distances in thousandths.
+
+    Where it is the shortest on those, it is longer than the shortest by a thousandth a leg at most.
+    """
     elkai = pytest.importorskip("elkai")
     distances = straight(points)
     whole = elkai.DistanceMatrix(np.round(1000 * distances).astype(int).tolist())
@@ -114,8 +117,9 @@ def test_twenty_stations_in_nearly_every_run(case: int) -> None:
     found = solve_tour(COMPLEX[case], 7, runs=1000 if case == 1 else 192)
     best = 458.0556 if case == 1 else lin_kernighan(COMPLEX[case])
     assert found.algorithm == "ils"
-    assert found.length.min() == pytest.approx(best, abs=1e-4)
-    assert np.mean(found.length < best + 1e-4) >= 0.99
+    # The figure has four decimals; LKH's tour may not be the shortest.
+    assert best - (5e-5 if case == 1 else 20e-3) <= found.length.min() <= best + 5e-5
+    assert np.mean(found.length < found.length.min() + 1e-9) >= 0.99
     np.testing.assert_allclose(found.length, tour_length(found.order, COMPLEX[case]), rtol=1e-12)
 
 
@@ -124,7 +128,8 @@ def test_ten_stations_are_exact(case: int) -> None:
     found = solve_tour(ORDINARY[case], 7, runs=20)
     assert found.algorithm == "exact"
     assert found.length.max() == found.length.min()
-    assert found.length[0] == pytest.approx(lin_kernighan(ORDINARY[case]), abs=1e-9)
+    best = lin_kernighan(ORDINARY[case])
+    assert best - 10e-3 <= found.length[0] <= best + 1e-9
     assert (found.order == optimal_tour(ORDINARY[case])).all()
     if case == 1:
         assert found.length[0] == pytest.approx(160.8247, abs=5e-5)

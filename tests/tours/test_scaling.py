@@ -4,8 +4,9 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 import usvjax as uj
 from usvjax.tours.algorithms import NAMES
@@ -53,7 +54,7 @@ def tables(draw):
     return table
 
 
-@settings(max_examples=200, deadline=None)
+@examples(200)
 @given(tables(), st.booleans())
 def test_tours_are_shortest_whatever_the_factors(table, closed):
     best = shortest(table, closed)

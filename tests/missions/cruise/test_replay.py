@@ -11,8 +11,9 @@ import jax
 import numpy as np
 import pytest
 from cruise_scenes import CRUISES, STATIONS, Scenes, assert_right, random_scenes, walked
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from usvjax import memory, planners
 from usvjax.errors import BadInputError
@@ -87,7 +88,7 @@ def test_every_step_is_right(name: str, scenes: Scenes) -> None:
     assert np.all(result.expanded > 0)
 
 
-@settings(max_examples=6, deadline=None)
+@examples(6)
 @given(
     seed=st.integers(0, 2**32 - 1),
     most=st.floats(0.0, 0.6),

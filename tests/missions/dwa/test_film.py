@@ -15,10 +15,11 @@ from figure_checks import (
     legend_texts,
     texts_of,
 )
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.collections import LineCollection
 from PIL import Image
+from property_draws import examples
 
 from usvjax.errors import BadInputError
 from usvjax.missions.dwa import decision
@@ -110,7 +111,7 @@ def test_a_decision_on_a_chart_draws_the_land():
     assert_inside(view.fig)
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(st.integers(1, 5000), st.integers(1, 200))
 def test_frames_are_few_even_and_include_both_ends_or_one_the_last(states, most):
     steps = frame_steps(states, most)

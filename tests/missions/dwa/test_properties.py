@@ -6,8 +6,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from dwa_situations import Situations, enable_x64, kernel, parameters, situations
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from property_draws import examples
 
 from benchmarks.peers import SLACK, Settings
 from benchmarks.peers.dwa_numpy import Bools, Decision, wrap
@@ -45,7 +46,7 @@ def undecided(found: Decision) -> Bools:
     w_acc=st.floats(0.0, 0.9),
     w_dec=st.floats(0.0, 0.9),
 )
-@settings(max_examples=150, deadline=None)
+@examples(150)
 def test_window_lies_inside_the_limits(
     v: float, w: float, dt: float, v_acc: float, v_dec: float, w_acc: float, w_dec: float
 ) -> None:

@@ -5,6 +5,7 @@ import pickle
 import jax
 import numpy as np
 import pytest
+from grid_oracle import lengths
 from route_ponds import CELL, SHAPE, pond, route_study
 from scipy import ndimage
 from study_fake import study_rows
@@ -112,7 +113,9 @@ def test_a_study_between_given_ends_has_one_query(tmp_path):
     study = route_study(episodes=1, maps={**given, "goal": [500.0, 300.0]})
     row = study_rows(parse_spec(study, folder=tmp_path), "astar", np.arange(1))
     assert row["ratio"].tolist() == [1.0]
-    assert row["path_length"][0] == pytest.approx(50.0 * (2 + 6 * 2**0.5), rel=0.2)
+    (start, goal), blocked = pond().cells_of([GIVEN["start"], GIVEN["goal"]]), pond().blocked
+    shortest = 50.0 * lengths(blocked, goal[None])[start[1], start[0]]
+    assert row["path_length"][0] == pytest.approx(shortest, rel=1e-6)
     with pytest.raises(BadInputError, match="'episodes' must be at most 1, as many different ones"):
         parse_spec({**study, "episodes": 2}, folder=tmp_path)
 

@@ -312,7 +312,12 @@ def _check_static(params: DwaParams, static: DwaStatic) -> None:
 
 
 def _check_plant(plant: Any, swept_dt: bool) -> None:
-    if not callable(plant):
+    if not isinstance(plant, str) and not callable(plant):
+        names = ", ".join(sorted(PLANTS))
+        raise BadTypeError(
+            f"static.plant: got {shown(plant)}; wanted a function, or one of {names}"
+        )
+    if isinstance(plant, str):
         one_of("static.plant", plant, PLANTS)
         return
     try:
