@@ -23,8 +23,6 @@ from usvjax.errors import BadInputError, BadTypeError
 P = ParamSpec("P")
 R = TypeVar("R")
 
-Takes = Callable[[Any], bool]
-
 _WORDS = {
     bool: "True or False",
     int: "a whole number",

@@ -10,7 +10,7 @@ from usvjax.batches import Batch, split
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.public import public
-from usvjax.tours.inputs import Legs, checked_legs, truth
+from usvjax.tours.inputs import Legs, checked_legs
 from usvjax.tours.scaling import Scaled, search
 from usvkernels.tours.held_karp import MOST_STATIONS, held_karp
 
@@ -37,7 +37,7 @@ def optimal_tour(points: Any = None, *, distances: Any = None, closed: bool = Tr
         BadTypeError: an argument of the wrong type.
         BadInputError: fewer than 2 stations or more than 13, or another wrong value or shape.
     """
-    return orders(checked_legs(points, distances), truth("closed", closed))
+    return orders(checked_legs(points, distances), closed)
 
 
 def orders(legs: Legs, closed: bool) -> np.ndarray:

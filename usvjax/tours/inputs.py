@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from usvjax.checks import any_array, shown
+from usvjax.checks import any_array
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.memory import check_memory
 
@@ -145,10 +145,3 @@ def _from_distances(table: np.ndarray) -> Legs:
 
 def _first(bad: np.ndarray) -> list[int]:
     return [int(i) for i in np.argwhere(bad)[0]]
-
-
-def truth(name: str, value: Any) -> bool:
-    """True or False; raises BadTypeError for anything else."""
-    if not isinstance(value, bool | np.bool_):
-        raise BadTypeError(f"{name}: got {shown(value)}; wanted True or False")
-    return bool(value)

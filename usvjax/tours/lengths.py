@@ -7,7 +7,7 @@ import numpy as np
 from usvjax.checks import any_array
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.public import public
-from usvjax.tours.inputs import Legs, checked_legs, truth
+from usvjax.tours.inputs import Legs, checked_legs
 
 
 @public("usvkernels.tours")
@@ -33,7 +33,6 @@ def tour_length(
         BadInputError: orders that are no permutations, or another wrong value or shape.
     """
     legs = checked_legs(points, distances)
-    closed = truth("closed", closed)
     orders = _checked_orders(order, legs)
     found = lengths(legs.distances, np.atleast_2d(orders), closed)
     return found if orders.ndim == 2 or legs.batched else found[0]

@@ -25,7 +25,7 @@ from usvjax.tours.algorithms import (
     checked_static,
     refuse_options,
 )
-from usvjax.tours.inputs import Legs, checked_legs, truth
+from usvjax.tours.inputs import Legs, checked_legs
 from usvjax.tours.lengths import lengths
 from usvjax.tours.scaling import Scaled, search
 from usvkernels import draws
@@ -118,7 +118,6 @@ def solve_tour(
     """
     one_of("algorithm", algorithm, NAMES)
     legs = checked_legs(points, distances)
-    closed = truth("closed", closed)
     stream = as_key(key)
     count = _count(legs, runs)
     first = first_run(first, count)
