@@ -109,8 +109,15 @@ def test_run_is_its_steps() -> None:
 def test_as_good_as_plain_numpy(name: str) -> None:
     function = TABLE_8[name]
     size: dict[str, int] = {"runs": 30, "dim": 30, "iterations": 200}
-    with enable_x64():
-        ours = minimise(function.fn, function.bounds, 1, algorithm="gwo", population=20, **size)
+    ours = minimise(
+        function.fn,
+        function.bounds,
+        1,
+        algorithm="gwo",
+        population=20,
+        dtype="float64",
+        **size,
+    )
     assert ours.best.dtype == np.float64
     rng = np.random.default_rng(2)
     theirs = plain.hunts(plain.FUNCTIONS[name], rng, function.bounds, wolves=20, **size)

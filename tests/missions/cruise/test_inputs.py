@@ -145,7 +145,6 @@ def test_good_input_passes(fine: dict[str, Any]) -> None:
         ({"method": "ga", "planner_options": {"iteration": 3}}, r"'iteration'; did you mean 'it"),
         ({"method": "ga", "planner_options": {"algorithm": "ga"}}, r"got 'algorithm'; valid: it"),
         ({"method": "ga", "planner_options": {"iterations": 0}}, r"iterations: got 0; wanted 1"),
-        ({"method": "ga", "planner_options": {1: 2}}, r"planner_options: got 1; valid: iteratio"),
         (
             {"flip_rate": np.zeros((3, 1))},
             r"params\.flip_rate: got shape \(3, 1\); wanted one, or 3",
@@ -224,8 +223,9 @@ def test_params_are_a_pytree_and_static_is_hashable() -> None:
 
 
 def test_planner_options_are_those_of_plan_paths() -> None:
-    keywords = inspect.getfullargspec(planners.plan_paths).kwonlyargs
-    assert set(rounds.PLANNER_OPTIONS) == set(keywords) - {"algorithm"}
+    parameters = inspect.signature(planners.plan_paths).parameters.values()
+    keywords = {one.name for one in parameters if one.kind is one.KEYWORD_ONLY}
+    assert set(rounds.PLANNER_OPTIONS) == keywords - {"algorithm"}
 
 
 @pytest.mark.parametrize(
@@ -251,6 +251,7 @@ def test_planner_options_are_those_of_plan_paths() -> None:
             {"method": "aco", "planner_options": {"params": 3}},
             r"^planner_options: params: got int; .*AcoPar",
         ),
+        ({"method": "ga", "planner_options": {1: 2}}, r"planner_options: got 1; wanted a string"),
         ({"planner_options": [1]}, r"planner_options: got \[1\]; wanted a mapping"),
     ],
 )

@@ -195,6 +195,8 @@ def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch
 
     def kept(fig, path, **_):
         drawn[path.name] = fig
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
         return path
 
     monkeypatch.setattr("usvjax.plots.style.save", kept)
