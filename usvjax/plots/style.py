@@ -31,7 +31,7 @@ GREY, LIGHT_GREY = "#8C8C8C", "#D9D9D9"
 LAND, WATER, SHORE = "#E9E2D0", "#CBE3F2", "#8A8168"
 
 SINGLE_MM, DOUBLE_MM = 85.0, 170.0
-DPI, MOST_DPI = 200, 1200
+DPI, LEAST_DPI, MOST_DPI = 200, 20, 1200
 FORMATS = (".png", ".pdf", ".svg")
 
 _RC: dict[str, Any] = {
@@ -240,7 +240,7 @@ def status_name(status: int) -> str:
     """
     if int(status) not in STATUS_LABEL:
         wanted = ", ".join(f"{code.value} {code.name}" for code in map(Status, STATUS_LABEL))
-        raise BadInputError(f"status is {shown(status)}; one of {wanted} was wanted")
+        raise BadInputError(f"status is {shown(int(status))}; one of {wanted} was wanted")
     return STATUS_LABEL[int(status)]
 
 
@@ -296,8 +296,8 @@ def save(fig: Figure, path: str | Path, *, dpi: int = DPI) -> Path:
     """
     target = file_path("path", path)
     check_suffix(target, FORMATS)
-    if not 1 <= dpi <= MOST_DPI:
-        raise BadInputError(f"dpi is {shown(dpi)}; 1 to {MOST_DPI} was wanted")
+    if not LEAST_DPI <= dpi <= MOST_DPI:
+        raise BadInputError(f"dpi is {shown(dpi)}; {LEAST_DPI} to {MOST_DPI} was wanted")
     # Without dates the same data gives the same file.
     metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(target.suffix, {})
 
