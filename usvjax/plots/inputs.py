@@ -204,7 +204,6 @@ def check_chart(grid: GridMap) -> None:
     """
     titles(name=grid.name, attribution=grid.attribution)
     check_view("grid_map", grid.extent)
-    # Of very long and thin maps neither axis can be labelled.
     if grid.cell_size < _FINEST * max(map(abs, grid.extent)):
         raise BadInputError(
             f"grid_map has cells of {grid.cell_size:g} m, too small for where it lies; wanted at "
