@@ -1,23 +1,18 @@
 """No public function answers garbage with a raw exception, a hang or the machine's memory."""
 
 import os
-import resource
-import time
 from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from garbage import wrong
+from garbage import attempt, said, wrong
 from public_calls import calls
 
 import usvjax as uj
 from usvjax.errors import BadInputError, BadTypeError
-from usvkernels.status import Status
 
-SECONDS, KIBIBYTES = 5.0, 2**20
-LONGEST_MESSAGE = 450
 FUNCTIONS = sorted(calls(None))
 
 FUZZ = "USVJAX_FUZZ" in os.environ
@@ -52,45 +47,6 @@ def quickly_compiled():
     yield
     jax.config.update("jax_disable_most_optimizations", False)
     jax.clear_caches()
-
-
-def attempt(call, **changes):
-    """Words for what is wrong with how the call took the changes; "" for nothing."""
-    before, began = peak(), time.monotonic()
-    problem = outcome(call, changes)
-    if not problem and time.monotonic() - began > SECONDS:
-        began = time.monotonic()  # once more, compiled
-        outcome(call, changes)
-        took = time.monotonic() - began
-        problem = f"took {took:.1f} s" * (took > SECONDS)
-    if not problem and peak() - before > KIBIBYTES:
-        problem = f"took {(peak() - before) / 2**20:.1f} GiB"
-    return problem
-
-
-def outcome(call, changes):
-    try:
-        found = replace(call, options={**call.arguments, **changes}, needed={})()
-    except (BadInputError, BadTypeError) as error:
-        return bad_message(str(error))
-    except Exception as error:
-        return f"{type(error).__name__}: {str(error)[:120]}"
-    running = np.any(np.asarray(getattr(found, "status", 1)) == int(Status.RUNNING))
-    return "a status RUNNING" if running else ""
-
-
-def bad_message(text):
-    if not text.isprintable():
-        return f"a message that cannot be printed: {text[:120]!r}"
-    return f"a message of {len(text)} letters: {text[:120]!r}" * (len(text) > LONGEST_MESSAGE)
-
-
-def peak():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-
-
-def said(problems):
-    return "\n".join([f"{len(problems)} problems", *problems])
 
 
 def test_all_public_functions_are_called():

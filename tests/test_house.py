@@ -18,7 +18,8 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 
 FLOORS = (
     ("errors", "suggest", "exports", "version", "ambient"),
-    ("devices", "checks", "statistics", "sheets"),
+    ("checks",),
+    ("devices", "statistics", "sheets"),
     ("batches", "programs", "public"),
     ("keys", "memory", "tables"),
     ("sections",),

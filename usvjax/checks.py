@@ -227,13 +227,20 @@ def file_path(name: str, value: Any) -> Path:
 
     Raises:
         BadTypeError: it is neither a string nor a path.
-        BadInputError: it holds a NUL, or a name that is too long, which no file can have.
+        BadInputError: it holds a NUL or a character that cannot be encoded, or a name that is too
+            long, which no file can have.
     """
     if not isinstance(value, str | os.PathLike):
         raise BadTypeError(f"{name}: got {shown(value)}; wanted a string or a path")
     path = Path(value)
     if "\0" in str(path):
         raise BadInputError(f"{name}: got {shown(str(path))}; wanted a path without NUL characters")
+    try:
+        os.fsencode(path)
+    except UnicodeEncodeError:
+        raise BadInputError(
+            f"{name}: got {shown(str(path))}; wanted a path of characters that can be encoded"
+        ) from None
     if any(len(part) > MOST_FILE_NAME for part in path.parts):
         raise BadInputError(
             f"{name}: got {shown(str(path))}; wanted names of at most {MOST_FILE_NAME} characters"

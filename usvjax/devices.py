@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.checks import shown, whole_number
+from usvjax.errors import BadInputError
 
 if TYPE_CHECKING:
     import jax
@@ -32,6 +33,9 @@ With the pool, one device alone is faster (DWA by 12 %, a few long tours up to t
 time of the cores; where each core has a device of its own at work, it costs a few per cent.
 """
 
+MOST_DEVICES = 4096
+"""Of a host: each takes threads of its own."""
+
 _started = _forked = False
 
 
@@ -55,15 +59,15 @@ def use_all_cores(count: int | None = None) -> None:
     already started) stays as it is.
 
     Args:
-        count: number of host devices, 1 or more; by default the cores that this process may use.
+        count: number of host devices, 1 to MOST_DEVICES; by default the cores that this
+            process may use.
 
     Raises:
         BadTypeError, BadInputError: not such a number.
     """
-    if count is not None and (isinstance(count, bool) or not isinstance(count, int)):
-        raise BadTypeError(f"count: got {type(count).__name__}; wanted a whole number")
-    if count is not None and count < 1:
-        raise BadInputError(f"count: got {count}; wanted 1 or more")
+    count = None if count is None else whole_number("count", count, 1)
+    if count is not None and count > MOST_DEVICES:
+        raise BadInputError(f"count: got {shown(count)}; wanted at most {MOST_DEVICES:,}")
     made = _VARIABLE in os.environ or _FLAG in os.environ.get("XLA_FLAGS", "")
     if made and count is None:
         return

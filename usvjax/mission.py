@@ -16,6 +16,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from usvjax.checks import shown
+from usvjax.errors import BadInputError, unprintable
 from usvjax.maps import GridMap
 from usvjax.maps.disk import read_bytes
 from usvjax.sections import Table
@@ -291,3 +293,47 @@ class Mission(Protocol):
     def film(self, replayed: Replayed, row: int) -> Any:
         """One of the episodes as `usvjax.plots.film.Film`."""
         ...
+
+
+_NAMES = [name for name in (*Mission.__annotations__, *vars(Mission)) if not name.startswith("_")]
+
+_DATA: Mapping[str, tuple[type, type, str]] = {
+    "tables": (Mapping, Table, "a dictionary of usvjax.sections.Table"),
+    "methods": (Mapping, str, "a dictionary of words"),
+    "metrics": (Sequence, Metric, "a tuple of usvjax.mission.Metric"),
+    "endings": (Sequence, IntEnum, "a tuple of codes that are an IntEnum"),
+}
+"""Attributes of a mission: what they are, what they hold, and words for both."""
+
+
+def check_mission(mission: Any, what: str) -> None:
+    """Refuse what keeps no mission's contract, as far as that shows before it runs.
+
+    Args:
+        mission: what is to be one.
+        what: it is called, for the message.
+
+    Raises:
+        BadInputError: naming what is missing or wrong.
+    """
+    missing = [name for name in _NAMES if not hasattr(mission, name)]
+    if missing:
+        raise BadInputError(f"{what} has no {missing[0]!r}; see usvjax.mission.Mission")
+    if isinstance(mission, type):
+        raise BadInputError(f"{what} is a class; wanted one of it, {mission.__name__}()")
+    for name, (group, each, words) in _DATA.items():
+        found = getattr(mission, name)
+        items = found.values() if isinstance(found, Mapping) else found
+        if not isinstance(found, group) or not all(isinstance(one, each) for one in items):
+            raise BadInputError(f"{what}: {name!r} must be {words}, got {shown(found)}")
+        if name != "tables" and not found:
+            raise BadInputError(f"{what}: {name!r} is empty")
+    for name in _NAMES:
+        if name not in _DATA and not callable(getattr(mission, name)):
+            raise BadInputError(f"{what}: {name!r} must be a method")
+    metrics = [word for m in mission.metrics for word in (m.name, m.unit, m.label)]
+    for word in (*mission.tables, *mission.methods, *mission.methods.values(), *metrics):
+        if not isinstance(word, str) or unprintable(word):
+            raise BadInputError(
+                f"{what} has the name {shown(word)}; wanted text that can be printed in one line"
+            )

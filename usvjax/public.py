@@ -9,7 +9,7 @@ import inspect
 import sys
 import types
 import typing
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from functools import cache, wraps
@@ -28,6 +28,7 @@ _WORDS = {
     int: "a whole number",
     float: "a number",
     str: "a string",
+    Mapping: "a dictionary",
 }
 
 
@@ -141,6 +142,8 @@ def _options(hint: Any) -> tuple[Any, ...]:
         return tuple(o for part in typing.get_args(hint) for o in _options(part))
     if typing.get_origin(hint) is typing.Literal:
         return (str,)
+    if typing.get_origin(hint) is Mapping:
+        return (Mapping,)
     return (hint,)
 
 

@@ -1,10 +1,11 @@
 """Which missions there are, and their parameter sets, by the name that studies call their kind."""
 
 import importlib
-from typing import TYPE_CHECKING, cast
+import re
+from typing import TYPE_CHECKING, Any, cast
 
-from usvjax.checks import shown
-from usvjax.errors import BadInputError
+from usvjax.checks import MOST_SHOWN, shown
+from usvjax.errors import BadInputError, BadTypeError, unprintable
 from usvjax.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -15,6 +16,8 @@ _MISSIONS: "dict[str, Mission | str]" = {}
 _OWN: set[str] = set()
 _PRESETS: dict[str, str] = {}
 
+_PLACE = re.compile(r"\w+(\.\w+)*:\w+")
+
 
 def register_mission(kind: str, mission: "Mission | str") -> None:
     """Make a mission known.
@@ -24,11 +27,30 @@ def register_mission(kind: str, mission: "Mission | str") -> None:
         mission: the mission, or "package.module:NAME" of one.
 
     Raises:
-        BadInputError: usvjax has a mission of that kind itself.
+        BadTypeError: `kind` is no string.
+        BadInputError: usvjax has a mission of that kind itself, or `mission` is none.
     """
+    if not isinstance(kind, str):
+        raise BadTypeError(f"kind: got {shown(kind)}; wanted a string")
+    if not 1 <= len(kind) <= MOST_SHOWN or unprintable(kind):
+        raise BadInputError(
+            f"kind: got {shown(kind)}; wanted text that can be printed in one line, of at most "
+            f"{MOST_SHOWN} characters"
+        )
     if kind in _OWN:
         raise BadInputError(f"kind: {kind!r} is a mission of usvjax's own; wanted another name")
+    if not isinstance(mission, str):
+        _check(kind, mission)
+    elif not _PLACE.fullmatch(mission):
+        raise BadInputError(f'mission: got {shown(mission)}; wanted "package.module:NAME"')
     _MISSIONS[kind] = mission
+
+
+def _check(kind: str, mission: object) -> None:
+    # Not at the top: it brings the maps along, which a command's start can do without.
+    from usvjax.mission import check_mission
+
+    check_mission(mission, f"the mission {shown(kind)}")
 
 
 def register_own(places: dict[str, str]) -> None:
@@ -50,15 +72,27 @@ def find_mission(kind: str, where: str = "the study") -> "Mission":
         where: the study file, for the message.
 
     Raises:
-        BadInputError: no such kind; names the nearest.
+        BadInputError: no such kind, naming the nearest; or no mission where it is said to be.
     """
     if kind not in _MISSIONS:
         raise BadInputError(f"{where}: unknown kind {shown(kind)}; {did_you_mean(kind, _MISSIONS)}")
     found = _MISSIONS[kind]
     if isinstance(found, str):
-        module, _, name = found.partition(":")
-        found = _MISSIONS[kind] = getattr(importlib.import_module(module), name)
+        found = _MISSIONS[kind] = _imported(kind, found)
     return cast("Mission", found)
+
+
+def _imported(kind: str, place: str) -> Any:
+    """The mission at "package.module:NAME"."""
+    module, _, name = place.partition(":")
+    if kind in _OWN:
+        return getattr(importlib.import_module(module), name)
+    try:
+        found = getattr(importlib.import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise BadInputError(f"the mission {shown(kind)} is not at {place}: {error}") from error
+    _check(kind, found)
+    return found
 
 
 def register_presets(mission: str, place: str) -> None:

@@ -31,12 +31,15 @@ def check_plain(tables: Mapping[str, Any], where: str) -> None:
     """Refuse numbers, characters and nesting that no setting has, before anything is made of them.
 
     Raises:
+        BadTypeError: a key is no string.
         BadInputError: naming the key.
     """
     level: list[tuple[str, Any]] = list(tables.items())
     for _ in range(MAX_NESTED):
         deeper: list[tuple[str, Any]] = []
         for key, value in level:
+            if not isinstance(key, str):
+                raise BadTypeError(f"{where}: got the key {shown(key)}; wanted a string")
             if isinstance(value, int) and not -(2**63) <= value < 2**63:
                 raise BadInputError(
                     f"{where}: {shown(key)} is too large: a whole number must fit in 64 bits"
@@ -47,7 +50,7 @@ def check_plain(tables: Mapping[str, Any], where: str) -> None:
                     f"can be printed in one line"
                 )
             if isinstance(value, Mapping):
-                deeper += [(str(name), item) for name, item in value.items()]
+                deeper += value.items()
             elif isinstance(value, list | tuple):
                 deeper += [(key, item) for item in value]
         level = deeper

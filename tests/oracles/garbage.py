@@ -1,5 +1,7 @@
 """What people hand in by mistake: values of every wrong kind, and valid ones spoiled."""
 
+import resource
+import time
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
@@ -7,6 +9,14 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+import polars as pl
+
+from usvjax.errors import BadInputError, BadTypeError
+from usvkernels.status import Status
+
+SECONDS, KIBIBYTES = 5.0, 2**20
+NUMERIC = (bool, int, float, list, tuple, np.ndarray, np.generic)
+LONGEST_MESSAGE = 450
 
 
 class Hostile:
@@ -88,8 +98,63 @@ def wrong(value: Any) -> Iterator[tuple[str, Any]]:
     yield from NUMBERS.items()
     if is_dataclass(value) and not isinstance(value, type):
         yield from _spoiled_fields(value)
+    elif isinstance(value, pl.DataFrame):
+        yield from _spoiled_table(value)
+    elif isinstance(value, dict):
+        yield from _spoiled_dict(value)
+    elif isinstance(value, list | tuple) and not all(isinstance(one, NUMERIC) for one in value):
+        yield from _spoiled_list(value)
     elif np.ndim(value) > 0:
         yield from _spoiled_array(np.asarray(value))
+
+
+def _spoiled_table(table: pl.DataFrame) -> Iterator[tuple[str, Any]]:
+    yield "no rows", table.head(0)
+    yield "no columns", pl.DataFrame()
+    yield "lazy", table.lazy()
+    yield "of NumPy", table.to_numpy()
+    for name in table.columns:
+        column = pl.col(name)
+        yield f"without {name}", table.drop(name)
+        for said, other in {
+            "nulls": pl.lit(None),
+            "a null": pl.when(pl.int_range(pl.len()) > 0).then(column),
+            "text": pl.lit("x"),
+            "escape": pl.lit("\x1b[31m\nx"),
+            "NaN": pl.lit(np.nan),
+            "infinity": pl.lit(np.inf),
+            "huge": pl.lit(1e300),
+            "minus one": pl.lit(-1),
+            "fractions": pl.lit(0.5),
+            "truth": pl.lit(value=True),
+            "lists": pl.lit([1, 2]),
+            "a large number": pl.lit(2**62),
+        }.items():
+            yield f"{name}: {said}", table.with_columns(other.alias(name))
+
+
+def _spoiled_dict(table: dict[Any, Any]) -> Iterator[tuple[str, Any]]:
+    value = next(iter(table.values()))
+    rest = list(table.items())[1:]
+    yield "empty", {}
+    yield "the values alone", list(table.values())
+    alike = len({type(one) for one in table.values()}) == 1
+    for name, bad in {**KINDS, **NUMBERS}.items():
+        for key in list(table)[: 1 if alike else None]:
+            yield f"{key}: {name}", {**table, key: bad}
+        if getattr(bad, "__hash__", None):
+            yield f"a key: {name}", {bad: value, **dict(rest)}
+    for key, one in table.items():
+        if isinstance(one, dict) or (one is value and (np.ndim(one) or is_dataclass(one))):
+            for name, bad in wrong(one):
+                yield f"{key}: {name}", {**table, key: bad}
+
+
+def _spoiled_list(items: Any) -> Iterator[tuple[str, Any]]:
+    yield "twice", [*items, *items]
+    yield "reversed", items[::-1]
+    for name, bad in {**KINDS, **NUMBERS}.items():
+        yield f"its first: {name}", [bad, *items[1:]]
 
 
 def _spoiled_fields(value: Any) -> Iterator[tuple[str, Any]]:
@@ -138,3 +203,45 @@ def _read_only(array: np.ndarray) -> np.ndarray:
     array = array.copy()
     array.flags.writeable = False
     return array
+
+
+# --- what a call makes of it ------------------------------------------------------------------
+
+
+def attempt(call, **changes):
+    """Words for what is wrong with how the call took the changes; "" for nothing."""
+    before, began = peak(), time.monotonic()
+    problem = outcome(call, changes)
+    if not problem and time.monotonic() - began > SECONDS:
+        began = time.monotonic()  # once more, compiled
+        outcome(call, changes)
+        took = time.monotonic() - began
+        problem = f"took {took:.1f} s" * (took > SECONDS)
+    if not problem and peak() - before > KIBIBYTES:
+        problem = f"took {(peak() - before) / 2**20:.1f} GiB"
+    return problem
+
+
+def outcome(call, changes):
+    try:
+        found = replace(call, options={**call.arguments, **changes}, needed={})()
+    except (BadInputError, BadTypeError) as error:
+        return bad_message(str(error))
+    except Exception as error:
+        return f"{type(error).__name__}: {str(error)[:120]}"
+    running = np.any(np.asarray(getattr(found, "status", 1)) == int(Status.RUNNING))
+    return "a status RUNNING" if running else ""
+
+
+def bad_message(text):
+    if not text.isprintable():
+        return f"a message that cannot be printed: {text[:120]!r}"
+    return f"a message of {len(text)} letters: {text[:120]!r}" * (len(text) > LONGEST_MESSAGE)
+
+
+def peak():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def said(problems):
+    return "\n".join([f"{len(problems)} problems", *problems])

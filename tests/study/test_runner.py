@@ -173,7 +173,7 @@ def test_last_shard_is_partial():
 
 def test_running_again_computes_nothing_and_changes_nothing(tmp_path, finished, monkeypatch):
     before = run_files(finished.path)
-    monkeypatch.setattr(ToyMission, "run", None)
+    monkeypatch.setattr(ToyMission, "run", pytest.fail)
     listener = Recorder()
     again = run_study(parse_spec(toy_study()), tmp_path / "reference", listener=listener)
     assert listener.began == [(1000, 1000)]

@@ -251,8 +251,11 @@ class GridMap:
 
 
 def _pairs(name: str, value: Any) -> np.ndarray:
+    array = checks.any_array(name, value, "numbers [..., 2]")
+    if array.dtype.kind not in "biufO":
+        raise BadTypeError(f"{name}: got dtype {array.dtype}; wanted real numbers")
     try:
-        array = np.asarray(value, dtype=np.float64)
+        array = array.astype(np.float64)
     except (TypeError, ValueError):
         raise BadTypeError(f"{name}: got {shown(value)}; wanted numbers [..., 2]") from None
     except OverflowError:

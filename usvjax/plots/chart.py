@@ -9,13 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
-from usvjax.plots import base_map, style
+from usvjax.plots import base_map, inputs, style
 from usvjax.plots.paths import clean_track
+from usvjax.public import public
 from usvkernels.status import EPISODE_ENDINGS, Status
 
 STATUS_ORDER = (*EPISODE_ENDINGS, Status.RUNNING)
 
 
+@public()
 @style.styled
 def plot_chart(
     grid_map: GridMap,
@@ -51,12 +53,14 @@ def plot_chart(
         BadInputError: shapes that do not agree, an unknown status, max_paths below 1, or an
             empty view.
     """
+    inputs.check_chart(grid_map)
+    inputs.titles(title=title, attribution=attribution)
     tracks, codes = _check(trajectories, status, max_paths)
-    if view is not None and not (view[0] < view[1] and view[2] < view[3]):
-        raise BadInputError(f"view is {view}; (west, east, south, north) in m was wanted")
+    if view is not None:
+        view = inputs.check_view("view", view)
     fig, ax = base_map.new_sheet(grid_map, view)
     drawn = np.unique(np.linspace(0, len(codes) - 1, min(max_paths, len(codes))).astype(int))
-    every = codes if sample_of is None else _codes(sample_of)
+    every = codes if sample_of is None else _codes("sample_of", sample_of)
     handles = _draw_tracks(ax, tracks, codes, drawn, every)
     note = f"{len(drawn):,} of {len(every):,} episodes drawn"
     ax.set_title(style.folded(f"{title}: {note}" if title else note, 95))
@@ -68,8 +72,8 @@ def plot_chart(
 def _check(
     trajectories: ArrayLike, status: ArrayLike, max_paths: int
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    tracks = np.asarray(trajectories, dtype=float)
-    codes = np.asarray(status)
+    tracks = inputs.numbers("trajectories", trajectories, "(B, T, 5)")
+    codes = inputs.whole_numbers("status", status)
     if tracks.ndim != 3 or tracks.shape[2] < 2 or tracks.shape[0] == 0:
         raise BadInputError(f"trajectories has shape {tracks.shape}; (B, T, 5) was wanted")
     if codes.shape != tracks.shape[:1]:
@@ -77,14 +81,16 @@ def _check(
         raise BadInputError(f"status has shape {codes.shape}; {wanted} was wanted")
     if max_paths < 1:
         raise BadInputError(f"max_paths is {max_paths}; at least 1 was wanted")
-    return tracks, _codes(codes)
+    return tracks, _codes("status", codes)
 
 
-def _codes(status: ArrayLike) -> NDArray[np.int64]:
-    codes = np.asarray(status)
+def _codes(name: str, status: ArrayLike) -> NDArray[np.int64]:
+    codes = inputs.whole_numbers(name, status)
+    if codes.ndim != 1 or not len(codes):
+        raise BadInputError(f"{name} has shape {codes.shape}; (B,) was wanted, B at least 1")
     for code in np.unique(codes):
         style.status_name(code)
-    return codes.astype(np.int64)
+    return codes
 
 
 def detail(

@@ -10,9 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
-from usvjax.errors import BadInputError
-from usvjax.plots import style
-from usvjax.plots.paths import clean_track
+from usvjax.checks import shown
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.plots import inputs, style
+from usvjax.plots.paths import clean_points, clean_track
+from usvjax.public import public
 
 FloatArray = NDArray[np.float64]
 
@@ -48,7 +50,18 @@ class Bends:
     at_corners: bool
     left: FloatArray = field(default_factory=lambda: np.zeros(0))
 
+    def __post_init__(self) -> None:
+        for name in ("distance", "curvature", "left"):
+            object.__setattr__(self, name, inputs.series(name, getattr(self, name)))
+        if self.distance.shape != self.curvature.shape:
+            raise BadInputError(
+                f"curvature has {len(self.curvature)} values; {len(self.distance)} were wanted"
+            )
+        if not isinstance(self.at_corners, bool):
+            raise BadTypeError(f"at_corners: got {shown(self.at_corners)}; wanted True or False")
 
+
+@public()
 def bends_of(
     points: ArrayLike, curvature: ArrayLike | None = None, left: ArrayLike | None = None
 ) -> Bends:
@@ -70,11 +83,11 @@ def bends_of(
     length = np.hypot(*step.T)
     distance = np.concatenate([[0.0], np.cumsum(length)])
     if curvature is not None:
-        values = np.asarray(curvature, dtype=float)
+        values = inputs.series("curvature", curvature)
         if len(values) < len(line):
             raise BadInputError(f"curvature has {len(values)} values; {len(line)} were wanted")
-        corners = np.zeros((0, 2)) if left is None else np.asarray(left, dtype=float)
-        places = _along(line, distance, corners[np.isfinite(corners).all(axis=-1)])
+        corners = np.zeros((0, 2)) if left is None else clean_points(left, "left")
+        places = _along(line, distance, corners)
         return Bends(distance, values[: len(line)], at_corners=False, left=places)
     moved = length > 0
     step, length, distance = step[moved], length[moved], np.cumsum(length[moved])
@@ -92,6 +105,7 @@ def _along(line: FloatArray, distance: FloatArray, places: FloatArray) -> FloatA
     return distance[gaps.argmin(axis=1)]
 
 
+@public()
 @style.styled
 def plot_curvature(
     routes: Mapping[str, Bends], turning_radius: float, *, title: str | None = None
@@ -113,8 +127,11 @@ def plot_curvature(
     """
     if not routes:
         raise BadInputError("routes is empty; at least one was wanted")
-    if not (np.isfinite(turning_radius) and turning_radius > 0):
-        raise BadInputError(f"turning_radius is {turning_radius}; a number above 0 (m) was wanted")
+    for name, bends in inputs.by_name("routes", routes).items():
+        if not isinstance(bends, Bends):
+            raise BadTypeError(f"routes[{shown(name)}]: got {shown(bends)}; wanted Bends")
+    inputs.metres("turning_radius", turning_radius, inputs.LEAST_METRES)
+    inputs.titles(title=title)
     fig = style.new_figure(style.DOUBLE_MM, 28 + 34 * len(routes))
     axes = fig.subplots(len(routes), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
     longest = max(float(b.distance.max(initial=0.0)) for b in routes.values())

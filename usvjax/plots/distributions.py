@@ -12,7 +12,8 @@ from matplotlib.ticker import PercentFormatter
 from numpy.typing import NDArray
 
 from usvjax.errors import BadInputError
-from usvjax.plots import style
+from usvjax.plots import inputs, style
+from usvjax.public import public
 from usvkernels.status import Status
 
 METRICS: dict[str, str] = {"time": "time to the goal (s)", "path_length": "path length (m)"}
@@ -33,7 +34,8 @@ _NEEDED = {
 }
 
 
-def both_reached(table: pl.DataFrame, success: Status = Status.REACHED) -> pl.DataFrame:
+@public()
+def both_reached(table: pl.DataFrame, success: int = Status.REACHED) -> pl.DataFrame:
     """Keep the episodes in which every method of that condition reached the goal.
 
     Comparing times over episodes that only one method survived would compare different maps.
@@ -48,12 +50,14 @@ def both_reached(table: pl.DataFrame, success: Status = Status.REACHED) -> pl.Da
     Raises:
         BadInputError: a column is missing.
     """
-    style.require_columns(table.columns, _NEEDED)
+    inputs.check_table(table, _NEEDED)
+    inputs.codes("success", [success])
     reached = pl.col("status") == int(success)
     methods = pl.col("method").n_unique().over("condition")
     return table.filter(reached.sum().over("condition", "job") == methods)
 
 
+@public()
 @style.styled
 def plot_distributions(
     table: pl.DataFrame,
@@ -82,12 +86,15 @@ def plot_distributions(
     Raises:
         BadInputError: a column is missing, or in no condition did all methods reach the goal.
     """
-    style.require_columns(table.columns, {name: "a metric to draw" for name in metrics})
+    inputs.titles(title=title)
+    labels = inputs.text_by("labels", labels)
+    metrics = inputs.texts("metrics", metrics)
+    inputs.check_table(table, dict.fromkeys(metrics, "a metric to draw"))
     kept = both_reached(table)
     if kept.is_empty():
         raise BadInputError("table has no episode in which every method reached the goal")
     conditions = sorted(table["condition"].unique().to_list())
-    names = {c: (labels or {}).get(c, f"condition {c}") for c in conditions}
+    names = {c: labels.get(c, f"condition {c}") for c in conditions}
     methods = style.ordered_methods(table["method"].to_list())
     counts = {c: (_episodes(kept, c), _episodes(table, c)) for c in conditions}
     who = "both methods" if len(methods) == 2 else "every method" if methods[1:] else methods[0]

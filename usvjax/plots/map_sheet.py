@@ -4,9 +4,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from usvjax.maps import GridMap
-from usvjax.plots import base_map, style
+from usvjax.plots import base_map, inputs, style
+from usvjax.public import public
 
 
+@public()
 @style.styled
 def plot_map(grid_map: GridMap, *, title: str | None = None) -> Figure:
     """Draw a map, north up, axes in metres, or in kilometres from 5 km up.
@@ -18,6 +20,8 @@ def plot_map(grid_map: GridMap, *, title: str | None = None) -> Figure:
     Returns:
         The figure, 170 mm wide. Data coordinates are metres.
     """
+    inputs.check_chart(grid_map)
+    inputs.titles(title=title)
     fig, ax = base_map.new_sheet(grid_map)
     ax.set_title(style.folded(_title_of(grid_map) if title is None else title, 95))
     handles = [

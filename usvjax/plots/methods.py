@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from usvjax.errors import BadInputError
 from usvjax.mission import MOST_CONDITIONS
-from usvjax.plots import style
+from usvjax.plots import inputs, style
 from usvjax.plots.distributions import both_reached, draw_boxes
 from usvjax.statistics import wilson
 from usvkernels.status import Status
@@ -96,7 +96,7 @@ def plot_methods(
         BadInputError: a column is missing or the table is empty.
     """
     wanted = {panel.column: "a metric to draw" for panel in compared.panels}
-    style.require_columns(table.columns, wanted)
+    inputs.check_table(table, wanted)
     if table.is_empty():
         raise BadInputError("table is empty; at least one query was wanted")
     kept = both_reached(table, compared.success)

@@ -9,8 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from usvjax.errors import BadInputError
-from usvjax.plots import style
+from usvjax.checks import shown
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.plots import inputs, style
+from usvjax.public import public
 from usvjax.statistics import wilson
 
 ENDS = 6
@@ -51,6 +53,7 @@ class _Rates:
         return 100.0 * found.low, 100.0 * found.high
 
 
+@public()
 @style.styled
 def plot_overview(
     table: pl.DataFrame,
@@ -86,17 +89,24 @@ def plot_overview(
     Raises:
         BadInputError: a column is missing, or the table is empty.
     """
-    style.require_columns(table.columns, _NEEDED)
+    inputs.check_table(table, _NEEDED)
     if table.is_empty():
         raise BadInputError("table is empty; at least one episode was wanted")
-    rates = _rates(table, success, list(methods))
+    methods = inputs.texts("methods", methods)
+    labels, units = inputs.text_by("labels", labels), inputs.text_by("units", units)
+    inputs.titles(words=words, title=title)
+    inputs.share("confidence", confidence)
+    inputs.codes("success", [success])
+    rates = _rates(table, success, methods)
+    _check_told(rates, varied, labels)
     values = {c: {k: _plain(v) for k, v in varied[c].items()} for c in rates.conditions}
     keys = [
         key
         for key in dict.fromkeys(k for one in values.values() for k in one)
         if len({one.get(key) for one in values.values()}) > 1
     ]
-    names = {key: _named(key, (units or {}).get(key)) for key in keys}
+    values = {c: {key: one.get(key) for key in keys} for c, one in values.items()}
+    names = {key: _named(key, units.get(key)) for key in keys}
     bars = f"bars: {100 * confidence:.4g} % Wilson intervals"
     if len(keys) == 1 and _are_crossed(values, keys):
         fig = _lines(rates, [values[c][keys[0]] for c in rates.conditions], confidence)
@@ -118,6 +128,23 @@ def plot_overview(
         handles = [style.method_handle(look, name) for name, look in looks.items()]
         style.outside_legend(fig, handles, columns=min(len(handles), 5))
     return style.settle(fig)
+
+
+def _check_told(
+    rates: _Rates, varied: Mapping[int, Mapping[str, object]], labels: Mapping[int, str]
+) -> None:
+    """Check what tells conditions apart, and whether anything was run."""
+    if not rates.episodes.any():
+        raise BadInputError(f"methods is {shown(rates.methods)}, of which the table has none")
+    inputs.keys_of("varied", varied, rates.conditions)
+    inputs.keys_of("labels", labels, rates.conditions)
+    for condition in rates.conditions:
+        told = varied[condition]
+        if not isinstance(told, Mapping) or not all(map(inputs.is_setting, told.values())):
+            raise BadTypeError(
+                f"varied[{condition}]: got {shown(told)}; wanted settings of a study by key"
+            )
+        inputs.by_name(f"varied[{condition}]", told)
 
 
 def _rates(table: pl.DataFrame, success: int, methods: list[str]) -> _Rates:

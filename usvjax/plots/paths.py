@@ -10,8 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
-from usvjax.errors import BadInputError
-from usvjax.plots import style
+from usvjax.checks import shown, whole_number
+from usvjax.errors import BadInputError, BadTypeError
+from usvjax.plots import inputs, style
+from usvjax.public import public
 
 FloatArray = NDArray[np.float64]
 
@@ -30,7 +32,13 @@ class Ending:
     time: float
     path_length: float
 
+    def __post_init__(self) -> None:
+        style.status_name(whole_number("status", self.status, 0))
+        for name in ("time", "path_length"):
+            inputs.shaped(name, inputs.numbers(name, getattr(self, name), "one number"), ())
 
+
+@public()
 @style.styled
 def plot_paths(
     obstacles: ArrayLike,
@@ -68,7 +76,10 @@ def plot_paths(
     centres = clean_points(obstacles, "obstacles")
     tracks = {name: clean_track(track, name) for name, track in trajectories.items()}
     _check(radius, tracks, endings or {})
-    begin, end = (np.asarray(point, dtype=float)[:2] for point in (start, goal))
+    begin, end = inputs.point("start", start), inputs.point("goal", goal)
+    if goal_tolerance is not None:
+        inputs.metres("goal_tolerance", goal_tolerance)
+    inputs.titles(title=title)
 
     fig = style.new_figure(style.SINGLE_MM, style.SINGLE_MM * 1.12 + 5 * len(tracks))
     ax = fig.subplots()
@@ -93,12 +104,14 @@ def plot_paths(
 def _check(radius: float, tracks: Mapping[str, FloatArray], endings: Mapping[str, Ending]) -> None:
     if not tracks:
         raise BadInputError("trajectories is empty; at least one method was wanted")
-    if not (np.isfinite(radius) and radius >= 0):
-        raise BadInputError(f"radius is {radius}; a finite number >= 0 (m) was wanted")
-    for name in endings:
+    inputs.metres("radius", radius)
+    inputs.by_name("trajectories", tracks)
+    for name, ending in inputs.by_name("endings", endings).items():
+        if not isinstance(ending, Ending):
+            raise BadTypeError(f"endings[{shown(name)}]: got {shown(ending)}; wanted an Ending")
         if name not in tracks:
             known = ", ".join(tracks)
-            raise BadInputError(f"endings names {name!r}, trajectories only {known}")
+            raise BadInputError(f"endings names {shown(name)}, trajectories only {known}")
 
 
 def clean_points(points: ArrayLike, name: str) -> FloatArray:
@@ -114,7 +127,7 @@ def clean_points(points: ArrayLike, name: str) -> FloatArray:
     Raises:
         BadInputError: the shape is not [K, 2].
     """
-    array = np.asarray(points, dtype=float)
+    array = inputs.numbers(name, points, "(K, 2)")
     if array.ndim != 2 or array.shape[1] != 2:
         raise BadInputError(f"{name} has shape {array.shape}; (K, 2) was wanted")
     kept: FloatArray = array[np.isfinite(array).all(axis=1)]
@@ -134,12 +147,12 @@ def clean_track(track: ArrayLike, name: str) -> FloatArray:
     Raises:
         BadInputError: a wrong shape, or no finite position.
     """
-    array = np.asarray(track, dtype=float)
+    array = inputs.numbers(f"trajectory {shown(name)}", track, "(T, 5)")
     if array.ndim != 2 or array.shape[1] < 2:
-        raise BadInputError(f"trajectory {name!r} has shape {array.shape}; (T, 5) was wanted")
+        raise BadInputError(f"trajectory {shown(name)} has shape {array.shape}; (T, 5) was wanted")
     kept: FloatArray = array[np.isfinite(array[:, :2]).all(axis=1), :2]
     if len(kept) == 0:
-        raise BadInputError(f"trajectory {name!r} has no finite position")
+        raise BadInputError(f"trajectory {shown(name)} has no finite position")
     return kept
 
 

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from usvjax.errors import BadInputError
-from usvjax.plots import style
+from usvjax.plots import inputs, style
+from usvjax.public import public
 from usvjax.statistics import wilson
 from usvkernels.status import EPISODE_ENDINGS, Status
 
@@ -25,6 +26,7 @@ _NEEDED = {
 }
 
 
+@public()
 def wilson_rates(
     table: pl.DataFrame,
     *,
@@ -46,9 +48,10 @@ def wilson_rates(
         BadInputError: a column is missing, the table or `endings` is empty, or a status is
             unknown.
     """
-    if not endings:
-        raise BadInputError("endings is empty; at least one status was wanted")
-    style.require_columns(table.columns, _NEEDED)
+    for code in inputs.codes("endings", endings):
+        style.status_name(code)
+    inputs.share("confidence", confidence)
+    inputs.check_table(table, _NEEDED)
     if table.is_empty():
         raise BadInputError("table is empty; at least one episode was wanted")
     for status in table["status"].unique().to_list():
@@ -96,6 +99,7 @@ class _Layout:
         return 120 // (2 if self.is_folded else len(self.column_titles))
 
 
+@public()
 @style.styled
 def plot_success(
     table: pl.DataFrame,
@@ -129,11 +133,14 @@ def plot_success(
     Raises:
         BadInputError: as `wilson_rates`, or none of `methods` has rows.
     """
+    radius, rate = inputs.metres_by("radius", radius), inputs.metres_by("rate", rate)
+    labels = inputs.text_by("labels", labels)
+    inputs.titles(title=title)
     rates = wilson_rates(table, confidence=confidence, endings=endings)
     shown = _shown(rates["method"].to_list(), methods)
     rates = rates.filter(pl.col("method").is_in(shown))
     conditions = rates["condition"].unique().sort().to_list()
-    layout = _layout(conditions, radius or {}, rate or {}, labels or {})
+    layout = _layout(conditions, radius, rate, labels)
     fig, axes = _grid(layout, len(endings))
     for row, status in enumerate(endings):
         chosen = rates.filter(pl.col("status") == int(status))
@@ -161,7 +168,7 @@ def _shown(there: Sequence[str], methods: Sequence[str] | None) -> list[str]:
     """The methods to draw, in their order."""
     if methods is None:
         return style.ordered_methods(there)
-    shown = [name for name in methods if name in there]
+    shown = [name for name in inputs.texts("methods", methods) if name in there]
     if not shown:
         known = ", ".join(style.ordered_methods(there))
         raise BadInputError(f"methods is {list(methods)}; the table has {known}")

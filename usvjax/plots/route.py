@@ -11,10 +11,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import ArrayLike, NDArray
 
-from usvjax.errors import BadInputError
+from usvjax.checks import shown
+from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
-from usvjax.plots import base_map, style
+from usvjax.plots import base_map, inputs, style
 from usvjax.plots.paths import clean_track, draw_ends
+from usvjax.public import public
 
 FloatArray = NDArray[np.float64]
 
@@ -30,6 +32,7 @@ _WIDTH, _WIDER = 1.4, 1.2
 _MOST_PLACES = 1000
 
 
+@public()
 @style.styled
 def plot_routes(
     grid_map: GridMap,
@@ -66,17 +69,25 @@ def plot_routes(
     """
     if not routes:
         raise BadInputError("routes is empty; at least one was wanted")
-    if closeup is not None and not closeup > 0:
-        raise BadInputError(f"closeup is {closeup}; a width above 0 (m) was wanted")
+    inputs.check_chart(grid_map)
+    inputs.by_name("routes", routes)
+    labels = inputs.text_by("labels", labels)
+    inputs.titles(title=title)
+    for name, width in (("closeup", closeup), ("turning_radius", turning_radius)):
+        if width is not None:
+            inputs.metres(name, width, inputs.LEAST_METRES)
     lines = {name: clean_track(route, name) for name, route in routes.items()}
-    view = view or view_around(grid_map, list(lines.values()))
+    if view is None:
+        view = view_around(grid_map, list(lines.values()))
+    view = inputs.check_view("view", view)
     if closeup is None:
         fig, ax = base_map.new_sheet(grid_map, view)
     else:
-        fig, ax = _two_sheets(grid_map, view, busiest(next(iter(lines.values())), closeup))
+        near = busiest(next(iter(lines.values())), closeup)
+        fig, ax = _two_sheets(grid_map, view, inputs.check_view("closeup", near))
     handles: list[Line2D] = []
     for axes in fig.axes:
-        handles = _draw_routes(axes, lines, labels or {})
+        handles = _draw_routes(axes, lines, labels)
     if closeup is not None and turning_radius is not None:
         handles.append(_draw_circle(fig.axes[1], turning_radius))
     if title:
@@ -182,6 +193,7 @@ def busiest(line: FloatArray, width: float) -> base_map.View:
     return x - width / 2, x + width / 2, y - width / 2, y + width / 2
 
 
+@public()
 @style.styled
 def plot_route_chart(
     grid_map: GridMap,
@@ -204,8 +216,14 @@ def plot_route_chart(
     Raises:
         BadInputError: no route, one of a wrong shape or without a finite point.
     """
+    if not isinstance(routes, list | tuple | np.ndarray) or getattr(routes, "ndim", 1) == 0:
+        raise BadTypeError(f"routes: got {shown(routes)}; wanted a list of arrays [P, 2]")
     if not len(routes):
         raise BadInputError("routes is empty; at least one was wanted")
+    inputs.check_chart(grid_map)
+    inputs.titles(title=title)
+    if view is not None:
+        view = inputs.check_view("view", view)
     lines = [clean_track(route, f"{i}") for i, route in enumerate(routes)]
     fig, ax = base_map.new_sheet(grid_map, view)
     paths = LineCollection(lines, colors=style.BLUE, linewidths=0.7, alpha=0.45, zorder=2)

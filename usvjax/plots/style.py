@@ -20,7 +20,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatter
 
+from usvjax.checks import file_path, shown
 from usvjax.errors import BadInputError
+from usvjax.public import public
 from usvkernels.status import Status
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -29,7 +31,7 @@ GREY, LIGHT_GREY = "#8C8C8C", "#D9D9D9"
 LAND, WATER, SHORE = "#E9E2D0", "#CBE3F2", "#8A8168"
 
 SINGLE_MM, DOUBLE_MM = 85.0, 170.0
-DPI = 200
+DPI, LEAST_DPI, MOST_DPI = 200, 20, 1200
 FORMATS = (".png", ".pdf", ".svg")
 
 _RC: dict[str, Any] = {
@@ -238,25 +240,8 @@ def status_name(status: int) -> str:
     """
     if int(status) not in STATUS_LABEL:
         wanted = ", ".join(f"{code.value} {code.name}" for code in map(Status, STATUS_LABEL))
-        raise BadInputError(f"status is {status}; one of {wanted} was wanted")
+        raise BadInputError(f"status is {shown(int(status))}; one of {wanted} was wanted")
     return STATUS_LABEL[int(status)]
-
-
-def require_columns(columns: Iterable[str], wanted: Mapping[str, str]) -> None:
-    """Check that a result table has the columns a figure needs.
-
-    Args:
-        columns: the columns there are.
-        wanted: column name to what it holds, for the message.
-
-    Raises:
-        BadInputError: one is missing.
-    """
-    there = list(columns)
-    for name, meaning in wanted.items():
-        if name not in there:
-            found = ", ".join(there) or "none"
-            raise BadInputError(f"table has no column {name!r} ({meaning}); it has {found}")
 
 
 def write_atomically(path: Path, write: Callable[[Path], object]) -> Path:
@@ -293,25 +278,26 @@ def write_atomically(path: Path, write: Callable[[Path], object]) -> Path:
     return path
 
 
+@public()
 def save(fig: Figure, path: str | Path, *, dpi: int = DPI) -> Path:
     """Write a figure, whole or not at all.
 
     Args:
         fig: any figure of this package.
         path: file to write; its suffix (.png, .pdf or .svg) chooses the format.
-        dpi: dots per inch of a PNG.
+        dpi: dots per inch of a PNG, 20 to 1200.
 
     Returns:
         The path written.
 
     Raises:
-        BadInputError: another suffix, a dpi that is not positive, or a place that cannot be
+        BadInputError: another suffix or dpi, or a place that cannot be
             written.
     """
-    target = Path(path)
+    target = file_path("path", path)
     check_suffix(target, FORMATS)
-    if dpi <= 0:
-        raise BadInputError(f"dpi is {dpi}; a positive number was wanted")
+    if not LEAST_DPI <= dpi <= MOST_DPI:
+        raise BadInputError(f"dpi is {shown(dpi)}; {LEAST_DPI} to {MOST_DPI} was wanted")
     # Without dates the same data gives the same file.
     metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(target.suffix, {})
 
@@ -326,4 +312,6 @@ def check_suffix(path: Path, allowed: tuple[str, ...]) -> None:
     """Raise BadInputError unless the file name ends in one of `allowed`."""
     if path.suffix.lower() not in allowed:
         wanted = ", ".join(allowed)
-        raise BadInputError(f"{path}: suffix {path.suffix!r} is not one of {wanted}")
+        raise BadInputError(
+            f"{shown(str(path))}: suffix {shown(path.suffix)} is not one of {wanted}"
+        )

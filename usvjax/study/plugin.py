@@ -12,21 +12,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 from usvjax.checks import file_path, shown
-from usvjax.errors import BadInputError, BadTypeError, saying_where, unprintable
+from usvjax.errors import BadInputError, BadTypeError, saying_where
 from usvjax.maps.disk import read_plain
-from usvjax.mission import Mission
 from usvjax.registry import register_mission
-from usvjax.sections import Table
 from usvjax.study.code import beside
 
 PREFIX = "usvjax_plugin_"
 
 _MOST_OF_ERROR = 200
-
-_WANTED = [name for name in (*Mission.__annotations__, *vars(Mission)) if not name.startswith("_")]
 
 
 @dataclass(frozen=True)
@@ -65,35 +60,9 @@ class Plugin:
                 f"{where}: the plugin {self.name!r} has no MISSIONS; wanted a dictionary from the "
                 f"kind of a study to a mission"
             )
-        for kind, mission in found.items():
-            self._check(kind, mission, where)
-            try:
+        with saying_where(f"{where}: the plugin {self.name!r}"):
+            for kind, mission in found.items():
                 register_mission(kind, mission)
-            except BadInputError as error:
-                raise BadInputError(f"{where}: the plugin {self.name!r}: {error}") from None
-
-    def _check(self, kind: object, mission: object, where: str) -> None:
-        place = f"{where}: the plugin {self.name!r}: the mission {shown(kind)}"
-        if not isinstance(kind, str):
-            raise BadInputError(f"{place} has a kind that is no string; wanted one")
-        missing = [name for name in _WANTED if not hasattr(mission, name)]
-        if missing:
-            raise BadInputError(f"{place} has no {missing[0]!r}; see usvjax.mission.Mission")
-        if isinstance(mission, type):
-            raise BadInputError(f"{place} is a class; wanted one of it, {mission.__name__}()")
-        checked: Any = mission
-        if not all(isinstance(table, Table) for table in checked.tables.values()):
-            raise BadInputError(f"{place}: 'tables' must be of usvjax.sections.Table")
-        for name in ("methods", "metrics", "endings"):
-            if not getattr(checked, name):
-                raise BadInputError(f"{place}: {name!r} is empty")
-        metrics = [word for m in checked.metrics for word in (m.name, m.unit, m.label)]
-        for word in (kind, *checked.methods, *checked.methods.values(), *metrics):
-            if not isinstance(word, str) or unprintable(word):
-                raise BadInputError(
-                    f"{place} has the name {shown(word)}; wanted text that can be printed in one "
-                    f"line"
-                )
 
 
 def read_plugin(name: str, folder: Path, where: str) -> Plugin:

@@ -7,6 +7,7 @@ from typing import Any
 
 import polars as pl
 
+from usvjax.checks import file_path
 from usvjax.errors import BadInputError
 from usvjax.public import public
 from usvjax.study.finished import FINISHED, SUMMARY, read_record
@@ -113,4 +114,5 @@ def load_run(path: str | Path) -> Run:
     Raises:
         BadInputError: it is not one.
     """
-    return Run(Path(path), read_manifest(Path(path)))
+    path = file_path("path", path)
+    return Run(path, read_manifest(path))

@@ -17,6 +17,7 @@ import numpy as np
 import polars as pl
 
 from usvjax.ambient import pinned
+from usvjax.checks import shown
 from usvjax.devices import local_devices
 from usvjax.errors import BadInputError
 from usvjax.study.looks import look_level, look_schedule, narrow_enough
@@ -140,7 +141,7 @@ def pick_devices(count: int | None) -> tuple[jax.Device, ...]:
     if not 1 <= count <= len(devices):
         raise BadInputError(
             f"--devices must lie between 1 and the {len(devices)} devices of this machine, "
-            f"got {count}"
+            f"got {shown(count)}"
         )
     return tuple(devices[:count])
 

@@ -18,7 +18,7 @@ from typing import Any
 from usvjax.checks import file_path, shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.disk import noting_reads, read_text
-from usvjax.mission import Case, Files, Mission
+from usvjax.mission import Case, Files, Mission, check_mission
 from usvjax.public import public
 from usvjax.registry import find_mission, mission_kinds
 from usvjax.sections import (
@@ -126,6 +126,37 @@ class StudySpec:
     plugin: Plugin | None = field(default=None, repr=False, compare=False)
     held: Held = field(default=NOTHING, repr=False, compare=False)
 
+    def __post_init__(self) -> None:
+        """Check it anew: `dataclasses.replace` makes specs as well."""
+        where = type(self).__name__
+        for name, kind, words in (
+            ("kind", str, "a string"),
+            ("plugin", Plugin | None, "a Plugin or None"),
+            ("held", Held, "a Held"),
+        ):
+            if not isinstance(value := getattr(self, name), kind):
+                raise BadTypeError(f"{where}: {name!r} is {shown(value)}; wanted {words}")
+        check_mission(self.mission, f"{where}: 'mission'")
+        given = {f.name: getattr(self, f.name) for f in fields(StudyFile) if f.name != "plugin"}
+        if self.until is None:
+            del given["until"]
+        if isinstance(self.methods, tuple):
+            given["methods"] = list(self.methods)
+        check_plain(given, where)
+        top = read_table(StudyFile, given, where)
+        methods, baseline = _check_top(top, self.mission, where)
+        if not (isinstance(self.conditions, tuple) and self.conditions) or not all(
+            isinstance(one, Condition) for one in self.conditions
+        ):
+            raise BadTypeError(
+                f"{where}: 'conditions' is {shown(self.conditions)}; wanted a tuple of Condition"
+            )
+        _check_shards(top, len(self.conditions), where)
+        _check_conditions(top, methods, self.conditions, where)
+        for name, value in {**vars(top), "methods": methods, "baseline": baseline}.items():
+            if name in given:
+                object.__setattr__(self, name, value)
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Take the plug-in's source along: in another process its classes are not known yet."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}
@@ -199,8 +230,9 @@ def load_spec(path: str | Path) -> StudySpec:
     return parse_spec(tables, folder=path.parent, where=str(path))
 
 
+@public()
 def parse_spec(
-    tables: Mapping[str, Any], *, folder: Path | None = None, where: str = "the study"
+    tables: Mapping[str, Any], *, folder: str | Path | None = None, where: str = "the study"
 ) -> StudySpec:
     """Check a study given as nested dictionaries, as `tomllib` returns them.
 
@@ -218,9 +250,11 @@ def parse_spec(
     """
     check_plain(tables, where)
     kind = tables.get("kind", mission_kinds()[0])
-    files = Files(folder or Path(), where)
+    files = Files(Path() if folder is None else file_path("folder", folder), where)
     plugin = _plugin(tables, files)
-    mission = find_mission(kind if isinstance(kind, str) else str(kind), where)
+    if not isinstance(kind, str):
+        raise BadTypeError(f"{where}: 'kind' must be a string, got {shown(kind)}")
+    mission = find_mission(kind, where)
     sections = sections_of(mission.tables)
     top_names = list(StudyFile.__dataclass_fields__)
     check_top_keys(tables, sections, [*top_names, *sections, "axes", "conditions"], where)
@@ -238,20 +272,12 @@ def parse_spec(
         with noting_reads() as noted:
             case = mission.case(settings, files)
         read |= noted
-        most = case.most_jobs
-        if most is not None and top.episodes > most:
-            raise BadInputError(
-                f"{where}: 'episodes' must be at most {most}, as many different ones as 'maps' "
-                f"gives, got {top.episodes}"
-            )
-        for method in methods:
-            if method in case.refusals:
-                raise BadInputError(f"{where}: method {method!r}: {case.refusals[method]}")
         label = ", ".join(filter(None, (title, label_of(told, names)))) or top.name
         conditions.append(Condition(index, label, varied, case))
+    _check_conditions(top, methods, conditions, where)
     return StudySpec(
         name=top.name,
-        kind=str(kind),
+        kind=kind,
         seed=top.seed,
         episodes=top.episodes,
         shard=top.shard,
@@ -359,6 +385,21 @@ def _check_shards(top: StudyFile, conditions: int, where: str) -> None:
             f"{where}: 'shard' must be at least {least:,} for {top.episodes:,} episodes{each}, so "
             f"that the study has at most {MAX_SHARDS:,} files, got {top.shard}"
         )
+
+
+def _check_conditions(
+    top: StudyFile, methods: Iterable[str], conditions: Iterable[Condition], where: str
+) -> None:
+    """Check whether every condition has so many episodes and takes all methods."""
+    for case in (condition.case for condition in conditions):
+        if case.most_jobs is not None and top.episodes > case.most_jobs:
+            raise BadInputError(
+                f"{where}: 'episodes' must be at most {case.most_jobs}, as many different ones as "
+                f"'maps' gives, got {top.episodes}"
+            )
+        for method in methods:
+            if method in case.refusals:
+                raise BadInputError(f"{where}: method {method!r}: {case.refusals[method]}")
 
 
 def _check_range(where: str, key: str, value: int, low: int, high: int) -> None:

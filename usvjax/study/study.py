@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from usvjax.checks import file_path, shown
+from usvjax.errors import BadTypeError
 from usvjax.public import public
 from usvjax.study.code import code_digest
 from usvjax.study.finished import FINISHED, SUMMARY, as_recorded, maker, record
@@ -63,21 +65,33 @@ def run_study(
 
     Raises:
         BadInputError: the study or the run directory cannot be used; nothing was overwritten.
-        BadTypeError: a value of the study has the wrong type.
+        BadTypeError: a value of the study, or an argument, has the wrong type.
         StudyStoppedError: on Ctrl-C; call again to continue.
     """
+    folder = file_path("out", out)
+    _check_listener(listener)
     workers = pick_devices(devices)
     spec = study if isinstance(study, StudySpec) else load_spec(study)
-    path = Path(out) / spec.name
+    path = folder / spec.name
     plugin = spec.plugin.path if spec.plugin else None
     by = maker(plugin)
     manifest = manifest_of(spec.canonical(), code_digest(spec.mission, plugin), spec.held.entry())
-    shown = _shown(path, spec, manifest, by, listener)
-    if shown is not None:
-        return shown
+    finished = _shown(path, spec, manifest, by, listener)
+    if finished is not None:
+        return finished
     with RunDirectory.open(path, manifest, spec.held) as run:
         progress = run_episodes(spec, run, devices=workers, listener=listener)
         return _summarised(spec, run, progress, by)
+
+
+def _check_listener(listener: object) -> None:
+    wanted = [name for name in vars(Listener) if not name.startswith("_")]
+    missing = [name for name in wanted if not callable(getattr(listener, name, None))]
+    if listener is not None and missing:
+        raise BadTypeError(
+            f"listener: got {shown(listener)}, which has no method {missing[0]!r}; wanted one with "
+            f"{', '.join(wanted)}"
+        )
 
 
 def _shown(

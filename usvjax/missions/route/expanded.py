@@ -12,11 +12,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
-from usvjax.checks import one_of
-from usvjax.errors import BadInputError
+from usvjax.checks import number, one_of, shown, whole_number
+from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
-from usvjax.plots import base_map, style
+from usvjax.plots import base_map, inputs, style
 from usvjax.plots.paths import draw_ends
+from usvjax.public import public
 from usvjax.search.astar import astar
 from usvjax.search.distance import distance_field
 
@@ -50,7 +51,18 @@ class Expanded:
     cost: float
     expanded: int
 
+    def __post_init__(self) -> None:
+        inputs.text("heuristic", self.heuristic)
+        surely = inputs.flags("surely", self.surely, (None, None))
+        inputs.flags("on_tie", self.on_tie, surely.shape)
+        high, wide = surely.shape
+        if not len(inputs.cells("path", self.path, (high, wide), (None,))):
+            raise BadInputError("path is empty; at least one cell was wanted")
+        number("cost", self.cost)
+        whole_number("expanded", self.expanded, 0)
 
+
+@public(jit=True)
 def expanded_cells(
     grid_map: GridMap,
     start: ArrayLike,
@@ -76,12 +88,11 @@ def expanded_cells(
         BadTypeError: cells that are not whole numbers.
         BadInputError: another heuristic, a cell off the map or blocked, or no path.
     """
-    for name in heuristics:
+    for name in inputs.texts("heuristics", heuristics):
         one_of("heuristics", name, HEURISTICS)
-    if not heuristics:
-        raise BadInputError("heuristics is empty; at least one was wanted")
+    inputs.cells("start", start, grid_map.shape, ())
+    x, y = inputs.cells("goal", goal, grid_map.shape, ())
     (length,) = distance_field(grid_map.blocked, start, corner_cutting=corner_cutting)
-    x, y = np.asarray(goal)
     result = []
     for name in heuristics:
         found = astar(
@@ -94,7 +105,7 @@ def expanded_cells(
         )
         cost = float(found.cost[0])
         if not math.isfinite(cost):
-            raise BadInputError(f"goal {[int(x), int(y)]} cannot be reached from {start!r}")
+            raise BadInputError(f"goal {[int(x), int(y)]} cannot be reached from {shown(start)}")
         total = length.astype(float) + _estimate(name, grid_map.shape, (int(x), int(y)))
         on_tie = np.abs(total - cost) <= _ON_A_TIE * max(cost, 1.0)
         result.append(
@@ -124,6 +135,7 @@ def _estimate(heuristic: str, shape: tuple[int, int], goal: tuple[int, int]) -> 
     return by_name[heuristic]
 
 
+@public()
 @style.styled
 def plot_expanded(
     grid_map: GridMap, searches: Sequence[Expanded], *, title: str | None = None
@@ -142,8 +154,16 @@ def plot_expanded(
     Raises:
         BadInputError: None, or more than four.
     """
+    inputs.check_chart(grid_map)
+    inputs.titles(title=title)
+    if not isinstance(searches, list | tuple):
+        raise BadTypeError(f"searches: got {shown(searches)}; wanted a list of Expanded")
     if not 1 <= len(searches) <= 4:
         raise BadInputError(f"searches holds {len(searches)}; 1 to 4 were wanted")
+    for search in searches:
+        if not isinstance(search, Expanded):
+            raise BadTypeError(f"searches: got {shown(search)}; wanted Expanded")
+        inputs.shaped("surely", search.surely, grid_map.shape)
     west, east, south, north = grid_map.extent
     columns = len(searches)
     high = style.DOUBLE_MM / (columns + 0.15) * (north - south) / (east - west)

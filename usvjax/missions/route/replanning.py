@@ -9,11 +9,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from numpy.typing import ArrayLike, NDArray
 
-from usvjax.errors import BadInputError
+from usvjax.checks import shown
+from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
-from usvjax.plots import base_map, style
+from usvjax.plots import base_map, inputs, style
 from usvjax.plots.film import Film
 from usvjax.plots.paths import draw_ends
+from usvjax.public import public
 from usvjax.search.astar import astar
 
 IntArray = NDArray[np.int64]
@@ -30,7 +32,8 @@ class Replanning:
         goal: int[2], cell.
         known: bool[T + 1, H, W], the map as the vessel knows it at each position.
         changed: bool[T, H, W], cells that changed state just before each move, noticed or not.
-        ahead: T + 1 paths, int[P, 2] cells from each position to the goal; none is empty.
+        ahead: T + 1 paths, int[P, 2] cells from each position to the goal; empty where there
+            is none.
         cost_to_go: float[T + 1], cells; inf where cut off.
         expanded: int[T + 1], cells expanded in the replanning that led to each position.
         sensing: (h, w), rows and columns of the window in which changes are noticed, or None.
@@ -48,7 +51,27 @@ class Replanning:
     sensing: tuple[int, int] | None = None
     title: str = ""
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.grid_map, GridMap):
+            raise BadTypeError(f"grid_map: got {shown(self.grid_map)}; wanted a GridMap")
+        inputs.check_chart(self.grid_map)
+        shape = self.grid_map.shape
+        inputs.text("title", self.title)
+        count = len(inputs.cells("position", self.position, shape, (None,)))
+        inputs.cells("goal", self.goal, shape, ())
+        inputs.flags("known", self.known, (count, *shape))
+        inputs.flags("changed", self.changed, (count - 1, *shape))
+        if not isinstance(self.ahead, list) or len(self.ahead) != count:
+            raise BadTypeError(f"ahead: got {shown(self.ahead)}; wanted a list of {count} paths")
+        for path in self.ahead:
+            inputs.cells("ahead", path, shape, (None,))
+        inputs.shaped("cost_to_go", inputs.numbers("cost_to_go", self.cost_to_go, "[n]"), (count,))
+        inputs.shaped("expanded", inputs.whole_numbers("expanded", self.expanded), (count,))
+        if self.sensing is not None:
+            object.__setattr__(self, "sensing", _window_size(self.sensing))
 
+
+@public(jit=True)
 def replanning_of(
     grid_map: GridMap,
     flips: ArrayLike,
@@ -81,13 +104,18 @@ def replanning_of(
     Raises:
         BadInputError: shapes that do not agree.
     """
-    cells, way = np.asarray(flips), np.asarray(position)
-    steps = len(way) - 1
-    if way.ndim != 2 or way.shape[1] != 2 or steps < 1:
+    inputs.titles(title=title)
+    if sensing is not None:
+        sensing = _window_size(sensing)
+    cells, way = inputs.whole_numbers("flips", flips), inputs.whole_numbers("position", position)
+    if way.ndim != 2 or way.shape[1] != 2 or len(way) < 2:
         raise BadInputError(f"position has shape {way.shape}; (T + 1, 2) was wanted, T at least 1")
+    steps = len(way) - 1
     if cells.ndim != 3 or len(cells) != steps or cells.shape[2] != 2:
         raise BadInputError(f"flips has shape {cells.shape}; ({steps}, C, 2) was wanted")
-    end = np.asarray(goal)
+    way = inputs.cells("position", way, grid_map.shape, (None,))
+    end = inputs.cells("goal", goal, grid_map.shape, ())
+    inputs.cells("flips", np.maximum(cells, 0), grid_map.shape, (None, None))
     changed = _changes(cells, way, end, grid_map.shape)
     known = _known(grid_map.blocked, changed, way, sensing)
     found = astar(known, way, end, corner_cutting=corner_cutting, on_blocked="status")
@@ -101,11 +129,20 @@ def replanning_of(
         known=known,
         changed=changed,
         ahead=ahead,
-        cost_to_go=np.asarray(cost_to_go, float),
-        expanded=np.asarray(expanded, np.int64),
+        cost_to_go=inputs.numbers("cost_to_go", cost_to_go, "[n]"),
+        expanded=inputs.whole_numbers("expanded", expanded),
         sensing=sensing,
         title=title,
     )
+
+
+def _window_size(sensing: object) -> tuple[int, int]:
+    """(h, w) of what the vessel senses, checked."""
+    found = inputs.whole_numbers("sensing", sensing)
+    inputs.shaped("sensing", found, (2,))
+    if (found < 1).any():
+        raise BadInputError(f"sensing is {shown(sensing)}; (h, w) of 1 or more were wanted")
+    return int(found[0]), int(found[1])
 
 
 def _changes(cells: IntArray, way: IntArray, goal: IntArray, shape: tuple[int, int]) -> BoolArray:
@@ -146,6 +183,7 @@ def _window(x: int, y: int, sensing: tuple[int, int] | None) -> tuple[slice, sli
     return slice(max(y - up, 0), y + up + 1), slice(max(x - along, 0), x + along + 1)
 
 
+@public()
 def replanning_film(episode: Replanning) -> Film:
     """An episode, from `replanning_of`, as a film of its moves until it arrives."""
     view = ReplanningView(episode)
