@@ -252,7 +252,7 @@ def test_planner_options_are_those_of_plan_paths() -> None:
             r"^planner_options: params: got int; .*AcoPar",
         ),
         ({"method": "ga", "planner_options": {1: 2}}, r"planner_options: got 1; wanted a string"),
-        ({"planner_options": [1]}, r"planner_options: got \[1\]; wanted a mapping"),
+        ({"planner_options": [1]}, r"planner_options: got \[1\]; wanted a dictionary"),
     ],
 )
 def test_bad_types(changes: dict[str, Any], message: str) -> None:
