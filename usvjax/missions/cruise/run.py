@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from usvjax.checks import one_of, shown, whole_number
-from usvjax.errors import BadInputError, BadTypeError, saying_where
+from usvjax.errors import BadInputError, saying_where
 from usvjax.keys import as_key, first_run
 from usvjax.missions.cruise.inputs import (
     Expedition,
@@ -131,12 +131,12 @@ def cruise(
 
 
 def _planner(
-    expedition: Expedition, method: str, options: Any, key: jax.Array, first: int
+    expedition: Expedition,
+    method: str,
+    options: Mapping[str, Any] | None,
+    key: jax.Array,
+    first: int,
 ) -> LegPlanner:
-    if options is not None and not isinstance(options, Mapping):
-        raise BadTypeError(
-            f"planner_options: got {shown(options)}; wanted a mapping of keyword arguments"
-        )
     swarm = method in SWARMS
     if options and not swarm:
         got = shown(options)
