@@ -39,7 +39,7 @@ def test_garbage_is_refused_in_one_line(call):
 @pytest.mark.parametrize(
     "change",
     [{"devices": -1}, {"devices": 10**6}, {"listener": object()}, {"study": "no.toml"}],
-    ids=str,
+    ids=lambda change: ", ".join(change),  # an object has another name in every process
 )
 def test_nothing_is_written_before_all_is_checked(change, tmp_path):
     call = study_calls(tmp_path)["run_study"]

@@ -13,6 +13,7 @@ from path_cases import centre, packed, routes, sees
 from property_draws import examples
 from scipy.interpolate import BSpline
 
+import usvjax as uj
 from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
 from usvkernels.paths.charts import Charts
 from usvkernels.paths.smoothing import line_of_sight
@@ -192,3 +193,19 @@ def test_bspline_against_scipy() -> None:
         # Curvature divides by the cube of a speed that is off by 100 * late and 11 at least.
         np.testing.assert_allclose(found.curvature[row], wanted, rtol=1e-4, atol=1e-5)
         assert (found.points[row, [0, -1]] == paths[row, [0, n - 1]]).all()
+
+
+def test_what_a_search_found_is_taken_even_if_that_is_nothing() -> None:
+    """Of queries without a way, and of those that are there already, one point is what is left."""
+    maps = np.zeros((2, 5, 5), bool)
+    maps[0, 3] = True
+    found = uj.astar(maps, [[3, 4], [2, 2]], [[0, 0], [2, 2]])
+    assert found.path.shape == (2, 1, 2)
+    paths = found.path, found.path_cells
+    assert uj.shorten(*paths, maps).path_cells.tolist() == [0, 1]
+    assert uj.key_points(*paths, maps).path_cells.tolist() == [0, 1]
+    assert uj.redensify(*paths, 0.5).path_cells.tolist() == [0, 1]
+    np.testing.assert_array_equal(uj.path_metrics(*paths, maps).length, [np.nan, 0.0])
+    assert uj.smooth_turns(*paths, maps, turning_radius=1.0).fitted.tolist() == [False, True]
+    assert uj.track_paths(*paths, maps).arrived.shape == (2,)
+    assert uj.bspline(found.path[:1], found.path_cells[:1]).counts.tolist() == [0]

@@ -6,14 +6,14 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.batches import SIZES, bucket, most_rows
+from usvjax.batches import SIZES, bucket, filled, most_rows
 from usvjax.checks import any_array, pair, positive, shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
 from usvjax.search.inputs import search_maps
 from usvkernels.paths.charts import Charts
 
-_PATHS = "int [B, P, 2] (cells) or float [B, P, 2] (m), P >= 2, padded to one length"
+_PATHS = "int [B, P, 2] (cells) or float [B, P, 2] (m), padded to one length"
 MOST_COORDINATE = 10**9
 """Of points and origins, m or cells: beyond it, double precision is coarser than paths are."""
 
@@ -140,15 +140,16 @@ def path_rows(paths: Any, lengths: Any, cells_only: bool = False) -> Paths:
         BadInputError: ragged, of another shape, NaN, infinite or beyond MOST_COORDINATE before the
             end of a path, or a length outside 0 .. P.
     """
-    wanted = "int [B, P, 2] (cells), P >= 2, padded to one length" if cells_only else _PATHS
+    wanted = "int [B, P, 2] (cells), padded to one length" if cells_only else _PATHS
     points = any_array("paths", paths, wanted)
     if points.dtype.kind not in ("iu" if cells_only else "iuf"):
         raise BadTypeError(f"paths: got dtype {points.dtype}; wanted {wanted}")
     if points.dtype == np.float16:
         points = points.astype(np.float64)
-    if points.ndim != 3 or points.shape[2] != 2 or points.shape[1] < 2 or not len(points):
+    if points.ndim != 3 or points.shape[2] != 2 or not points.size:
         raise BadInputError(f"paths: got shape {points.shape}; wanted {wanted}")
     counts = _counts(lengths, *points.shape[:2])
+    points = filled(points, 2, axis=1)  # of searches that found nothing, or were there already
     slot = np.minimum(np.arange(points.shape[1]), np.maximum(counts - 1, 0)[:, None])
     valid = np.arange(points.shape[1]) < counts[:, None]
     if points.dtype.kind == "f":
