@@ -312,6 +312,4 @@ def check_suffix(path: Path, allowed: tuple[str, ...]) -> None:
     """Raise BadInputError unless the file name ends in one of `allowed`."""
     if path.suffix.lower() not in allowed:
         wanted = ", ".join(allowed)
-        raise BadInputError(
-            f"{shown(str(path))}: suffix {shown(path.suffix)} is not one of {wanted}"
-        )
+        raise BadInputError(f"{path}: suffix {shown(path.suffix)} is not one of {wanted}")
