@@ -263,6 +263,7 @@ def _feed(made: Any, found: Any) -> None:
     elif hasattr(found, "dtype"):
         array = np.asarray(found)
         made.update(f"{array.dtype}{array.shape}".encode())
-        made.update(array.tobytes())
+        # Of text, the bytes of an array are where it lies.
+        made.update(repr(array.tolist()).encode() if array.dtype == object else array.tobytes())
     else:
         made.update(repr(found).encode())
