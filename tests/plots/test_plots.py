@@ -243,3 +243,15 @@ def test_importing_what_draws_nothing_does_not_load_matplotlib(load):
 
     code = f"import sys\n{load}\nsys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_powers_of_ten_are_labelled_alike():
+    fig = style.new_figure(90.0, 60.0)
+    axis = fig.add_subplot().yaxis
+    axis.axes.set_yscale("log")
+    axis.axes.set_ylim(0.005, 2e6)
+    style.plain_powers(axis)
+    assert [axis.get_major_formatter()(10.0**n) for n in range(-2, 7)] == [
+        *("0.01", "0.1", "1", "10", "100"),
+        *("1,000", "10,000", "100,000", "1,000,000"),
+    ]

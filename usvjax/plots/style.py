@@ -212,8 +212,15 @@ def tick_names(names: Sequence[str], room: int) -> tuple[list[str], dict[str, An
 
 def plain_powers(axis: Axis) -> None:
     """Label a logarithmic axis with plain numbers: matplotlib's own labels are formulas."""
-    axis.set_major_formatter(LogFormatter())
-    axis.set_minor_formatter(LogFormatter(labelOnlyBase=False))
+    axis.set_major_formatter(_Plain())
+    axis.set_minor_formatter(_Plain(labelOnlyBase=False))
+
+
+class _Plain(LogFormatter):
+    """Labels where `LogFormatter` has some; its own would be 1000, 1e4 and 1e+05."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return f"{x:,.10g}" if super().__call__(x, pos) else ""
 
 
 def map_axes(ax: Axes, unit: str = "m") -> None:
