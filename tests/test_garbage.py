@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from garbage import attempt, said, wrong
+from garbage import attempt, problems_of, said, wrong
 from public_calls import calls
 
 import usvjax as uj
@@ -58,13 +58,7 @@ def test_all_public_functions_are_called():
 
 @pytest.mark.parametrize("call", FUNCTIONS, indirect=True)
 def test_garbage_is_refused_in_one_line(call):
-    problems = []
-    for name, valid in call.arguments.items():
-        for kind, value in wrong(valid):
-            if not FUZZ and (name, kind) in OTHER_PROGRAMS:
-                continue
-            if problem := attempt(call, **{name: value}):
-                problems.append(f"{name} = {kind}: {problem}")
+    problems = problems_of(call, () if FUZZ else OTHER_PROGRAMS)
     assert not problems, said(problems)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import wraps
 
 import pytest
-from garbage import attempt, said, wrong
+from garbage import attempt, problems_of, said
 from plot_calls import plot_calls
 
 from usvjax import plots
@@ -53,12 +53,7 @@ def test_all_public_functions_are_called():
 
 @pytest.mark.parametrize("call", FUNCTIONS, indirect=True)
 def test_garbage_is_refused_in_one_line(call):
-    problems = [
-        f"{name} = {kind}: {problem}"
-        for name, valid in call.arguments.items()
-        for kind, value in wrong(valid)
-        if (problem := attempt(call, **{name: value}))
-    ]
+    problems = problems_of(call)
     assert not problems, said(problems)
 
 

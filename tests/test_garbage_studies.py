@@ -4,7 +4,7 @@ import os
 from dataclasses import replace
 
 import pytest
-from garbage import attempt, said, wrong
+from garbage import attempt, problems_of, said
 from study_calls import BRIEF, study_calls
 from study_fake import ToyMission
 
@@ -26,12 +26,7 @@ def call(request, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("call", FUNCTIONS, indirect=True)
 def test_garbage_is_refused_in_one_line(call):
-    problems = [
-        f"{name} = {kind}: {problem}"
-        for name, valid in call.arguments.items()
-        for kind, value in wrong(valid)
-        if (problem := attempt(call, **{name: value}))
-    ]
+    problems = problems_of(call)
     assert attempt(call) == ""
     assert not problems, said(problems)
 

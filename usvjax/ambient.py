@@ -27,18 +27,17 @@ _PINNED = {
 }
 """Context managers of `jax`, by name, with what they are called with."""
 
+# Those that this JAX has, looked up once: every public call enters them.
+_MANAGERS = [(getattr(jax, name), value) for name, value in _PINNED.items() if hasattr(jax, name)]
+
 
 @contextmanager
 def pinned() -> Iterator[None]:
-    """Compute under our own settings inside a `with` block and in this thread alone.
-
-    Settings that this JAX does not have are left out.
-    """
+    """Compute under our own settings inside a `with` block and in this thread alone."""
     with ExitStack() as stack:
         stack.enter_context(precision(double=False))
-        for name, value in _PINNED.items():
-            if hasattr(jax, name):
-                stack.enter_context(getattr(jax, name)(value))
+        for manager, value in _MANAGERS:
+            stack.enter_context(manager(value))
         yield
 
 

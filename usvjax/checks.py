@@ -131,6 +131,17 @@ def _shape(shape: tuple[int | None, ...]) -> str:
     return "shape (" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
 
 
+def truth(name: str, value: object) -> bool:
+    """The value as a bool.
+
+    Raises:
+        BadTypeError: anything else: "false" would count as True.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise BadTypeError(f"{name}: got {shown(value)}; wanted True or False")
+    return bool(value)
+
+
 def number(name: str, value: Any) -> float:
     """Return a finite real number as a float.
 

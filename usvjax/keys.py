@@ -11,7 +11,7 @@ from usvjax.errors import BadInputError, BadTypeError
 
 
 def seed_key(seed: int) -> jax.Array:
-    """The key of a seed from 0 to 2**32 - 1: `jax.random.key(seed)` as JAX is by default.
+    """The threefry key that JAX, as it is by default, makes of a seed from 0 to 2**32 - 1.
 
     Made of its two words, so that it depends neither on JAX's default generator nor on the offset
     that JAX adds to seeds where jax_random_seed_offset is set.

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.peers import Settings, dwa_numpy
+from usvjax.ambient import precision
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, split
 from usvkernels.dwa import candidates as dwa
 from usvkernels.dwa.window import Motion
@@ -21,11 +22,7 @@ FAMILIES = ("open", "dense", "near", "reverse", "limits", "far", "trapped", "res
 
 def enable_x64() -> AbstractContextManager[None]:
     """Let JAX compute in float64 inside a `with` block; compiled float32 code is kept apart."""
-    if hasattr(jax, "enable_x64"):
-        return jax.enable_x64(True)
-    from jax.experimental import enable_x64 as context  # type: ignore[attr-defined]
-
-    return context(True)
+    return precision(double=True)
 
 
 @dataclass(frozen=True)

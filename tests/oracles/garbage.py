@@ -243,5 +243,15 @@ def peak():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
+def problems_of(call, left_out=()):
+    """What is wrong with how a call takes garbage for every argument, but some (name, kind)."""
+    return [
+        f"{name} = {kind}: {problem}"
+        for name, valid in call.arguments.items()
+        for kind, value in wrong(valid)
+        if (name, kind) not in left_out and (problem := attempt(call, **{name: value}))
+    ]
+
+
 def said(problems):
     return "\n".join([f"{len(problems)} problems", *problems])

@@ -73,7 +73,7 @@ def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
     raise BadInputError(f"{path}: cannot be read (larger than {byte_size(most)}, or endless)")
 
 
-def read_plain(path: Path, most: int = MOST_TEXT) -> bytes:
+def read_text_bytes(path: Path, most: int = MOST_TEXT) -> bytes:
     """Return the content of a text file in UTF-8 or ASCII, without a byte order mark.
 
     Raises:
@@ -92,9 +92,9 @@ def read_text(path: Path, most: int = MOST_TEXT) -> str:
     """Return a text file in UTF-8, without a byte order mark.
 
     Raises:
-        BadInputError: as of `read_plain`, or it is not UTF-8.
+        BadInputError: as of `read_text_bytes`, or it is not UTF-8.
     """
-    content = read_plain(path, most)
+    content = read_text_bytes(path, most)
     try:
         return content.decode()
     except UnicodeDecodeError as error:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from usvjax import checks
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError
 from usvjax.maps import disk
 from usvjax.maps.grid_map import GridMap
 from usvjax.maps.image import encode_image, read_image
@@ -89,8 +89,6 @@ def save_map(grid: GridMap, path: Any, *, replace: bool = True) -> list[Path]:
             ``replace`` is False, or a file that is not the map's has the name of its sidecar or
             image.
     """
-    if not isinstance(grid, GridMap):
-        raise BadTypeError(f"grid: got {type(grid).__name__}; wanted a GridMap")
     place = checks.file_path("path", path)
     suffix = place.suffix.lower()
     if suffix in _MOVINGAI:

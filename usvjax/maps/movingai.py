@@ -38,7 +38,7 @@ def read_movingai(
     Raises:
         BadInputError: the map or its sidecar is missing, truncated, malformed or too large.
     """
-    blocked = _parse(disk.read_plain(path, disk.MOST_BYTES), path)
+    blocked = _parse(disk.read_text_bytes(path, disk.MOST_BYTES), path)
     sidecar = read_sidecar(path) or Sidecar()
     if sidecar.shape not in (None, blocked.shape):
         raise BadInputError(

@@ -12,7 +12,7 @@ import numpy as np
 from usvjax.batches import bucket, few_sizes, filled
 from usvjax.checks import any_array, float_array, positive
 from usvjax.devices import QUICKLY_COMPILED
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError
 from usvjax.memory import check_memory
 from usvjax.paths.inputs import EDGE, Frame, Paths, check_on_map, path_frame, path_rows
 from usvjax.paths.points import polyline_pieces, sample_pieces, sample_room, without_repeats
@@ -171,8 +171,6 @@ def _sailed(samples: Samples, frame: Frame, params: TrackParams) -> Tracks:
 
 
 def _checked(params: TrackParams) -> TrackParams:
-    if not isinstance(params, TrackParams):
-        raise BadTypeError(f"params: got {type(params).__name__}; wanted TrackParams")
     values = {f.name: positive(f"params.{f.name}", getattr(params, f.name)) for f in fields(params)}
     return TrackParams(**values)
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.paths.inputs import Frame, Paths, check_on_map, place_of
-from usvjax.search.inputs import check_corner_cutting
 
 _TOUCHING = 1e-9  # cells; what rounding to double precision may move a crossing by
 _AT_ONCE = 1 << 18  # segments or columns in one array of a check
@@ -16,10 +15,8 @@ def check_on_water(paths: Paths, frame: Frame, corner_cutting: bool = False) -> 
     """Refuse paths that leave the map or touch a blocked cell.
 
     Raises:
-        BadTypeError: corner_cutting is not a bool.
         BadInputError: naming the first row and place; or maps and paths of unequal number.
     """
-    check_corner_cutting(corner_cutting)
     check_on_map(paths, frame)
     in_cells = paths.points if paths.are_cells else frame.in_cells(paths)
     valid = np.arange(paths.points.shape[1]) < paths.counts[:, None]

@@ -14,7 +14,7 @@ from usvjax.errors import BadInputError
 from usvjax.memory import check_memory
 from usvjax.public import public
 from usvjax.search import sweeping
-from usvjax.search.inputs import SearchScene, check_options, search_scene
+from usvjax.search.inputs import SearchScene, check_connectivity, search_scene
 from usvjax.search.paths import TracedPaths, check_paths, trace, turning_of
 from usvkernels.lanes import LEAST_LANES, run
 from usvkernels.search import astar_costs, astar_lanes, pqueue
@@ -197,7 +197,7 @@ def _options(
     """The choices of method, on a map of no size yet."""
     one_of("heuristic", heuristic, HEURISTICS)
     one_of("turn_mode", turn_mode, ("exact", "parent", "accumulated"))
-    check_options(corner_cutting, connectivity)
+    check_connectivity(connectivity)
     turns = rounded_turn_cost(turn_cost)
     factor = not_negative("weight", weight)
     mode = turn_mode if turns else "none"

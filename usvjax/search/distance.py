@@ -12,7 +12,7 @@ from usvjax.devices import COMPILER_OPTIONS, chosen_devices
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.memory import check_memory
 from usvjax.public import public
-from usvjax.search.inputs import check_options, search_maps
+from usvjax.search.inputs import check_connectivity, search_maps
 from usvjax.search.sweeping import (
     MOST_LANES,
     greatest_h,
@@ -64,7 +64,7 @@ def distance_field(
             memory than there is, or a cell farther away than 26,582 cells.
     """
     one_of("on_blocked", on_blocked, ("raise", "ignore"))
-    check_options(corner_cutting, connectivity)
+    check_connectivity(connectivity)
     grids = search_maps(blocked)
     sets = _goal_sets(goals)
     count = _count(grids, sets)

@@ -102,26 +102,15 @@ def search_maps(blocked: Any) -> np.ndarray:
     return grids if grids.ndim == 3 else grids[None]
 
 
-def check_options(corner_cutting: Any, connectivity: Any) -> None:
-    """Refuse options of a grid search that are not among those there are.
+def check_connectivity(connectivity: Any) -> None:
+    """Refuse another number of neighbours than there are.
 
     Raises:
-        BadTypeError: corner_cutting is not a bool, or connectivity not a whole number.
-        BadInputError: connectivity is neither 4 nor 8.
+        BadTypeError: not a whole number.
+        BadInputError: neither 4 nor 8.
     """
-    check_corner_cutting(corner_cutting)
     if whole_number("connectivity", connectivity, 1) not in (4, 8):
         raise BadInputError(f"connectivity: got {shown(connectivity)}; wanted 4 or 8")
-
-
-def check_corner_cutting(value: Any, name: str = "corner_cutting") -> None:
-    """Refuse anything but a bool: "false" would count as True.
-
-    Raises:
-        BadTypeError: naming the value.
-    """
-    if not isinstance(value, bool | np.bool_):
-        raise BadTypeError(f"{name}: got {shown(value)}; wanted True or False")
 
 
 def cell_rows(name: str, value: Any) -> np.ndarray:

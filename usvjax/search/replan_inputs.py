@@ -7,7 +7,7 @@ import numpy as np
 
 from usvjax.checks import any_array, number, one_of, shown
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.search.inputs import SearchScene, check_corner_cutting
+from usvjax.search.inputs import SearchScene
 from usvkernels.search.dstar_layout import INFINITE, NONE, Layout
 from usvkernels.search.replan_heuristics import HEURISTICS, LONGEST_EQ_17, largest_guide
 from usvkernels.search.steps import DIAGONAL
@@ -17,9 +17,7 @@ _WINDOW = "(h, w), two odd whole numbers of 3 or more"
 _LARGEST_WEIGHT = 100
 
 
-def check_method(
-    heuristic: object, weight: Any, corner_cutting: object, sensing: Any
-) -> tuple[int, int] | None:
+def check_method(heuristic: object, weight: Any, sensing: Any) -> tuple[int, int] | None:
     """Check the choices of method; returns `sensing` as two Python integers, or None.
 
     Raises:
@@ -35,7 +33,6 @@ def check_method(
             )
         if not 1 <= number("weight", weight) <= _LARGEST_WEIGHT:
             raise BadInputError(f"weight: got {shown(weight)}; wanted 1 to {_LARGEST_WEIGHT}")
-    check_corner_cutting(corner_cutting)
     return None if sensing is None else check_window(sensing)
 
 

@@ -114,7 +114,7 @@ def dstar_lite(
             message names the argument and the first bad row.
     """
     max_lanes = whole_number("max_lanes", max_lanes, 1)
-    sensing = check_method(heuristic, weight, corner_cutting, sensing)
+    sensing = check_method(heuristic, weight, sensing)
     scene = search_scene(blocked, starts, goals, on_blocked)
     table = flip_table(flips, scene.shape, len(scene))
     scene = repeated(scene, len(table))

@@ -15,7 +15,7 @@ from pathlib import Path
 import usvkernels
 from usvjax.errors import BadInputError
 from usvjax.exports import home_of
-from usvjax.maps.disk import read_plain
+from usvjax.maps.disk import read_text_bytes
 from usvjax.mission import Mission
 
 DRAWING = ("example", "figures", "film")
@@ -95,7 +95,7 @@ def _sources(starts: set[Path], names: frozenset[str], ours: bool = True) -> dic
         key = path.relative_to(root).as_posix()
         if key in found:
             continue
-        source = read_plain(path)
+        source = read_text_bytes(path)
         tree = ast.parse(source)
         found[key] = _without_drawing(source, tree, names) if path in starts else source
         package = key.split("/")[:-1]

@@ -15,7 +15,7 @@ from types import ModuleType
 
 from usvjax.checks import file_path, shown
 from usvjax.errors import BadInputError, BadTypeError, saying_where
-from usvjax.maps.disk import read_plain
+from usvjax.maps.disk import read_text_bytes
 from usvjax.registry import register_mission
 from usvjax.study.code import beside
 
@@ -78,7 +78,7 @@ def read_plugin(name: str, folder: Path, where: str) -> Plugin:
     """
     with saying_where(f"{where}: cannot read the plugin {shown(name)}"):
         path = (folder / file_path("plugin", name)).resolve()
-        source = read_plain(path)
+        source = read_text_bytes(path)
     try:
         found = beside(path)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:

@@ -10,7 +10,7 @@ from typing import Any
 from usvjax.mission import Mission
 from usvjax.sections import Table
 from usvjax.study.meanings import meanings_of
-from usvjax.study.spec import StudyFile
+from usvjax.study.top import StudyFile
 
 _WIDTH = 98
 _EPISODES = 1000

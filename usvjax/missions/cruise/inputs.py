@@ -148,7 +148,7 @@ def check_heuristic(expedition: Expedition, heuristic: Any, weight: Any) -> Expe
     Raises:
         BadTypeError, BadInputError: as `dstar_lite`.
     """
-    check_method(heuristic, weight, expedition.corner_cutting, None)
+    check_method(heuristic, weight, None)
     height, width = expedition.shape
     eq_17 = heuristic.startswith("weighted") and weight is None
     if eq_17 and height**2 + width**2 > LONGEST_EQ_17**2:

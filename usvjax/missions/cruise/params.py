@@ -8,9 +8,8 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.checks import any_array, fraction, one_of, positive, whole_number
-from usvjax.errors import BadInputError, BadTypeError
-from usvjax.search.inputs import check_corner_cutting
+from usvjax.checks import any_array, fraction, one_of, positive, truth, whole_number
+from usvjax.errors import BadInputError
 from usvjax.search.replan_inputs import check_window
 from usvkernels.cruise.sailing import SCOPES
 
@@ -71,7 +70,7 @@ class CruiseStatic:
     max_expansions: int | None = None
 
 
-def check_params(params: Any, count: int) -> CruiseParams:
+def check_params(params: CruiseParams, count: int) -> CruiseParams:
     """Refuse numbers that make no sense.
 
     Args:
@@ -82,11 +81,9 @@ def check_params(params: Any, count: int) -> CruiseParams:
         The same with float64[B] for leaves that may differ between cruises.
 
     Raises:
-        BadTypeError: of another class, or a leaf that is no number.
+        BadTypeError: a leaf that is no number.
         BadInputError: naming the leaf, what it is and what was wanted.
     """
-    if not isinstance(params, CruiseParams):
-        raise BadTypeError(f"params: got {type(params).__name__}; wanted CruiseParams")
     return CruiseParams(
         flip_rate=_of_each("params.flip_rate", params.flip_rate, count, fraction),
         max_wait=whole_number("params.max_wait", params.max_wait, 0),
@@ -94,27 +91,24 @@ def check_params(params: Any, count: int) -> CruiseParams:
     )
 
 
-def check_static(static: Any) -> CruiseStatic:
+def check_static(static: CruiseStatic) -> CruiseStatic:
     """Refuse choices that there are not.
 
     Returns:
         The same with plain numbers of Python.
 
     Raises:
-        BadTypeError: of another class, or a field of the wrong type.
+        BadTypeError: a field of the wrong type.
         BadInputError: naming the field, what it is and what was wanted.
     """
-    if not isinstance(static, CruiseStatic):
-        raise BadTypeError(f"static: got {type(static).__name__}; wanted CruiseStatic")
     one_of("static.distances", static.distances, DISTANCES)
     one_of("static.flip_scope", static.flip_scope, SCOPES)
     one_of("static.walled_in", static.walled_in, WALLED_IN)
-    check_corner_cutting(static.corner_cutting, "static.corner_cutting")
     return CruiseStatic(
         distances=static.distances,
         flip_scope=static.flip_scope,
         sensing=check_window(static.sensing, "static.sensing"),
-        corner_cutting=bool(static.corner_cutting),
+        corner_cutting=truth("static.corner_cutting", static.corner_cutting),
         walled_in=static.walled_in,
         max_steps=_bound("static.max_steps", static.max_steps),
         max_expansions=_bound("static.max_expansions", static.max_expansions),

@@ -111,7 +111,7 @@ def cruise(
     if method == "dstar_lite":
         expedition = check_heuristic(expedition, heuristic, weight)
     else:
-        check_method(heuristic, weight, expedition.corner_cutting, None)
+        check_method(heuristic, weight, None)
     max_lanes = whole_number("max_lanes", max_lanes, 1)
     replanning = Replanning(heuristic, weight, expedition.max_expansions, max_lanes)
     first = first_run(first, len(expedition))
