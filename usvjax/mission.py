@@ -189,6 +189,11 @@ class Replay(Protocol):
     """Has episodes of a run back; given to `Mission.figures`."""
 
     @property
+    def table(self) -> Any:
+        """All rows of the run, which are read and checked once."""
+        ...
+
+    @property
     def examples(self) -> int:
         """Conditions, from the first, of which episodes may be had back."""
         ...

@@ -83,7 +83,7 @@ def _drawn(run: Run, replay: Replay) -> Iterator[tuple[str, "Figure | pl.DataFra
         from usvjax.plots.overview import plot_overview
 
         fig = plot_overview(
-            run.table(),
+            replay.table,
             dict(enumerate(run.varied)),
             success=int(mission.endings[0]),
             methods=run.methods,

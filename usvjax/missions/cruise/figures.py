@@ -36,7 +36,7 @@ def cruise_figures(run: Run, replay: Replay) -> Iterator[tuple[str, Figure | pl.
     How the methods compare ("methods"), and of each of the first conditions the cruise of median
     length on its chart ("cruise"), with its itinerary as a table (see `itinerary`).
     """
-    table = run.table()
+    table = replay.table
     yield from method_pages(
         table,
         run.methods,

@@ -41,7 +41,7 @@ def dwa_figures(run: Run, replay: Replay) -> Iterator[tuple[str, Figure]]:
       all methods on one map ("paths"), on a chart many trajectories by outcome, per method
       ("chart"), and the part of it in which most failed ("detail").
     """
-    table = run.table()
+    table = replay.table
     if len(run.settings) <= MOST_CONDITIONS:
         yield "success", _success(run, table)
         if not both_reached(table).is_empty():

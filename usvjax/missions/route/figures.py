@@ -40,7 +40,7 @@ def route_figures(run: Run, replay: Replay) -> Iterator[tuple[str, Figure]]:
     methods ("routes"), its curvature ("curvature") and, where all share a map, many routes on it
     ("chart").
     """
-    table = run.table()
+    table = replay.table
     yield from method_pages(
         table,
         run.methods,
