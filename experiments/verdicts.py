@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from experiments.markdown import grid
-from usvjax.sheets import Sheet
+from usvjax.report.sheets import Sheet
 
 UNKNOWN = "too few maps"
 

@@ -19,7 +19,8 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 FLOORS = (
     ("errors", "suggest", "exports", "version", "ambient"),
     ("checks",),
-    ("devices", "statistics", "sheets"),
+    ("devices", "statistics"),
+    ("report",),
     ("batches", "programs", "public"),
     ("keys", "memory", "tables"),
     ("sections",),
@@ -157,7 +158,7 @@ def _has_encoding(node):
 def test_only_the_console_prints_by_rich():
     """What prints elsewhere may read markup in a user's words, or cut them."""
     for name, file in MODULES.items():
-        if name not in ("usvjax.cli.console", "usvjax.cli.maps", "usvjax.sheets"):
+        if name not in ("usvjax.cli.console", "usvjax.cli.maps", "usvjax.report.sheets"):
             assert "rich" not in re.findall(r"^from (\w+)", file.read_text(), re.MULTILINE), name
 
 

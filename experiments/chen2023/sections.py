@@ -7,7 +7,7 @@ from experiments.chen2023.published import ALGORITHMS, TABLE_3
 from experiments.chen2023.routes import CONTACTS, PROPOSED
 from experiments.chen2023.verdicts import SPLINE_READINGS
 from experiments.markdown import grid, interval
-from usvjax.study.report import p_value
+from usvjax.report.numbers import p_value
 
 Row = dict[str, Any]
 _TEMPLATES = {

@@ -16,7 +16,7 @@ from experiments.tan2022.published import (
 )
 from experiments.tan2022.summary import summary, why
 from experiments.verdicts import verdict_table
-from usvjax.study.report import p_value
+from usvjax.report.numbers import p_value
 
 
 def markdown(found: dict[str, Any]) -> str:

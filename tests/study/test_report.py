@@ -7,7 +7,7 @@ from study_fake import ToyMission, toy_study
 
 from usvjax.mission import MOST_CONDITIONS, Metric
 from usvjax.registry import register_mission
-from usvjax.sheets import text_of
+from usvjax.report.sheets import text_of
 from usvjax.study import parse_spec, run_study
 from usvjax.study.report import FEW, markdown, terminal
 

@@ -14,7 +14,7 @@ from study_fake import ToyMission, run_files, toy_study
 from usvjax.devices import chosen_devices
 from usvjax.errors import BadInputError
 from usvjax.mission import Outcome
-from usvjax.sheets import text_of
+from usvjax.report.sheets import text_of
 from usvjax.study import load_run, parse_spec, run_study
 from usvjax.study.figures import figures_for_run
 from usvjax.study.report import terminal

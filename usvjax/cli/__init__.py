@@ -282,7 +282,7 @@ def _unknown(name: str) -> int:
 
 def _print_help() -> None:
     from usvjax.cli.console import show
-    from usvjax.sheets import Sheet
+    from usvjax.report.sheets import Sheet
 
     rows = [
         row

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from usvjax.cli.console import console, show
-from usvjax.sheets import Sheet
+from usvjax.report.sheets import Sheet
 
 if TYPE_CHECKING:
     from usvjax.study.forecast import Forecast

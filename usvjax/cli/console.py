@@ -15,7 +15,7 @@ from rich.progress import TimeRemainingColumn as Remaining
 from rich.text import Text
 
 from usvjax.errors import printable
-from usvjax.sheets import Sheet, text_of
+from usvjax.report.sheets import Sheet, text_of
 
 _BAR, _AROUND = 16, 50
 """Columns of a bar, and of the speed and the times around it."""

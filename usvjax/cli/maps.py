@@ -13,7 +13,7 @@ from usvjax.cli.console import console, room, show, show_line
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map, load_map, packaged_names, save_map
 from usvjax.maps.hongze import is_packaged_name
-from usvjax.sheets import Sheet
+from usvjax.report.sheets import Sheet
 
 MapName = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="MAP")]
 InFile = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="IN")]

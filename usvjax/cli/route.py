@@ -14,7 +14,7 @@ from usvjax.checks import one_of, shown
 from usvjax.cli.console import show, show_line
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map
-from usvjax.sheets import Sheet
+from usvjax.report.sheets import Sheet
 
 if TYPE_CHECKING:
     from usvjax.missions.route.run import Routes

@@ -8,7 +8,7 @@ changing those refuses nothing.
 import ast
 import hashlib
 import inspect
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -52,15 +52,23 @@ def sources(mission: Mission, plugin: Path | None = None) -> dict[str, bytes]:
     """
     kinds = [kind for kind in type(mission).__mro__ if kind not in (object, Mission)]
     names = frozenset(kind.__name__ for kind in kinds)
-    starts = {_file_of(kind) for kind in kinds} | ({plugin} if plugin else set())
-    if all(map(_package_of, starts)):
+    files = {_file_of(kind): kind.__module__ for kind in kinds}
+    starts = set(files) | ({plugin} if plugin else set())
+    roots = _ROOTS | dict(filter(None, map(_root_of, files, files.values())))
+    if all(_package_of(path, _ROOTS) for path in starts):
         return _own_sources(tuple(sorted(starts)), names)
-    return _sources(starts, names)
+    return _sources(starts, names, roots)
 
 
 def beside(path: Path) -> dict[str, bytes]:
     """The source of the files that a plug-in imports from its own folder, itself among them."""
-    return _sources({path}, frozenset(), ours=False)
+    return _sources({path}, frozenset(), _ROOTS, ours=False)
+
+
+def _root_of(path: Path, module: str) -> tuple[str, Path] | None:
+    """Name and folder of the package that a module of somebody's own belongs to, if to any."""
+    top, *below = module.split(".")
+    return (top, path.parents[len(below)]) if below else None
 
 
 def _file_of(kind: type) -> Path:
@@ -78,20 +86,26 @@ def _file_of(kind: type) -> Path:
 
 @cache  # a plug-in may change while a process goes on
 def _own_sources(starts: tuple[Path, ...], names: frozenset[str]) -> dict[str, bytes]:
-    return _sources(set(starts), names)
+    return _sources(set(starts), names, _ROOTS)
 
 
-def _sources(starts: set[Path], names: frozenset[str], ours: bool = True) -> dict[str, bytes]:
+def _sources(
+    starts: set[Path], names: frozenset[str], roots: Mapping[str, Path], ours: bool = True
+) -> dict[str, bytes]:
     """Sources of the files and of what they import, without drawing methods of these classes.
 
-    Of our own modules only where `ours`.
+    Args:
+        starts: the files.
+        names: of the classes.
+        roots: packages whose modules count, and the folders that these are in.
+        ours: whether modules of those packages count, besides what stands beside the files.
     """
     found: dict[str, bytes] = {}
     waiting = list(starts)
-    folders = {path.parent for path in starts if _package_of(path) is None}
+    folders = {path.parent for path in starts if _package_of(path, roots) is None}
     while waiting:
         path = waiting.pop()
-        root = _package_of(path) or next(f for f in folders if path.is_relative_to(f))
+        root = _package_of(path, roots) or next(f for f in folders if path.is_relative_to(f))
         key = path.relative_to(root).as_posix()
         if key in found:
             continue
@@ -99,14 +113,14 @@ def _sources(starts: set[Path], names: frozenset[str], ours: bool = True) -> dic
         tree = ast.parse(source)
         found[key] = _without_drawing(source, tree, names) if path in starts else source
         package = key.split("/")[:-1]
-        imported = {file for m in _imports(tree, package) for file in _files(m, folders)}
-        waiting += (file for file in imported if ours or not _package_of(file))
+        imported = {file for m in _imports(tree, package) for file in _files(m, folders, roots)}
+        waiting += (file for file in imported if ours or not _package_of(file, roots))
     return found
 
 
-def _package_of(path: Path) -> Path | None:
-    """The folder of our package that a file belongs to; None for a user's own."""
-    return next((r for name, r in _ROOTS.items() if path.is_relative_to(r / name)), None)
+def _package_of(path: Path, roots: Mapping[str, Path]) -> Path | None:
+    """The folder of the package that a file belongs to; None for one that stands alone."""
+    return next((r for name, r in roots.items() if path.is_relative_to(r / name)), None)
 
 
 def _without_drawing(source: bytes, tree: ast.Module, names: frozenset[str]) -> bytes:
@@ -163,12 +177,12 @@ def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
             yield from _statements(part.body)
 
 
-def _files(module: str, folders: set[Path]) -> list[Path]:
-    """The files that importing a module runs, where it is ours or stands beside a plug-in.
+def _files(module: str, folders: set[Path], roots: Mapping[str, Path]) -> list[Path]:
+    """The files that importing a module runs, where it is in a package or beside a plug-in.
 
-    Of our own two packages, `__init__` only says where names are, and decides nothing.
+    Of these packages, `__init__` only says where names are, and decides nothing.
     """
-    own = _ROOTS.get(module.partition(".")[0])
+    own = roots.get(module.partition(".")[0])
     parts = module.split(".")
     if own is not None:
         return _file_in(own, parts) if len(parts) > 1 else []

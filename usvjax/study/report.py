@@ -1,11 +1,11 @@
 """The summary for people: Markdown for a file, tables for a terminal."""
 
-import math
 from typing import Any
 
-from usvjax.errors import printable
 from usvjax.mission import MOST_CONDITIONS
-from usvjax.sheets import Sheet
+from usvjax.report import Bullets, Section, Sheet
+from usvjax.report import markdown as as_markdown
+from usvjax.report.numbers import change, interval, number, p_value, percent
 
 FEW = 3
 """So many conditions of either end."""
@@ -26,22 +26,35 @@ def markdown(summary: dict[str, Any]) -> str:
         The text, ending in a newline.
     """
     study = summary["study"]
-    percent = f"{100 * study['confidence']:g} %"
-    parts = [
-        f"# {study['name']}",
-        f"Study of kind {study['kind']}, seed {study['seed']}, spec {study['hash'][:12]}.",
-        f"## How episodes ended\n\nShare of episodes in %, with its {percent} Wilson interval.",
-        _markdown_table(*_outcomes(summary)),
-        "## Averages over each method's own successes\n\nThe methods succeed on different "
-        "episodes, so these must not be subtracted; see the next table.",
-        _markdown_table(*_own_averages(summary)),
-        f"## Differences to {study['baseline']}, episode by episode\n\nSuccess over all episodes; "
-        "everything else over the n episodes where both succeed.",
-        _markdown_table(*_differences(summary)),
-        "## How to read this",
-        "\n".join(f"- {note}" for note in _notes(summary)),
+    level = f"{100 * study['confidence']:g} %"
+    sections = [
+        Section(
+            "How episodes ended",
+            [
+                f"Share of episodes in %, with its {level} Wilson interval.",
+                Sheet("", *_outcomes(summary)),
+            ],
+        ),
+        Section(
+            "Averages over each method's own successes",
+            [
+                "The methods succeed on different episodes, so these must not be subtracted; see "
+                "the next table.",
+                Sheet("", *_own_averages(summary)),
+            ],
+        ),
+        Section(
+            f"Differences to {study['baseline']}, episode by episode",
+            [
+                "Success over all episodes; everything else over the n episodes where both "
+                "succeed.",
+                Sheet("", *_differences(summary)),
+            ],
+        ),
+        Section("How to read this", [Bullets(_notes(summary))]),
     ]
-    return "\n\n".join(parts) + "\n"
+    head = f"Study of kind {study['kind']}, seed {study['seed']}, spec {study['hash'][:12]}."
+    return as_markdown(Section(study["name"], [head, *sections]))
 
 
 def terminal(summary: dict[str, Any]) -> list[Sheet | str]:
@@ -51,15 +64,15 @@ def terminal(summary: dict[str, Any]) -> list[Sheet | str]:
         summary: from `usvjax.study.summary.summarise`.
 
     Returns:
-        Tables and notes, for `usvjax.sheets.text_of`. Of more than `MOST_CONDITIONS` conditions
+        Tables and notes, for `usvjax.report.text_of`. Of more than `MOST_CONDITIONS` conditions
         they show the few whose best method succeeds most often, and least often.
     """
     study = summary["study"]
-    percent = f"{100 * study['confidence']:g} %"
+    level = f"{100 * study['confidence']:g} %"
     shown = _few(summary)
     parts: list[Sheet | str] = [
         Sheet(
-            f"How episodes ended (% of episodes, {percent} interval)",
+            f"How episodes ended (% of episodes, {level} interval)",
             *_short_outcomes(shown),
             words=2,
         ),
@@ -102,45 +115,6 @@ def _rest_note(summary: dict[str, Any]) -> str:
     )
 
 
-def number(value: float | None) -> str:
-    """Four significant digits without an exponent; "-" where there is no figure."""
-    if value is None:
-        return "-"
-    if value == 0:
-        return "0"
-    digits = 3 - math.floor(math.log10(abs(value)))
-    return f"{value:.{min(max(digits, 0), 8)}f}"
-
-
-def p_value(p: float | None) -> str:
-    """Two significant digits, or a bound where it is too small to matter."""
-    if p is None:
-        return "-"
-    return "<1e-16" if p < 1e-16 else f"{p:.2g}"
-
-
-def _interval(figure: dict[str, Any], scale: float = 1.0, sign: bool = False) -> str:
-    """Write a figure with its interval, all three to the decimals that the interval earns."""
-    value, low, high = (
-        None if figure[k] is None else scale * figure[k] for k in ("value", "low", "high")
-    )
-    if value is None:
-        return "-"
-    plus = "+" if sign else ""
-    if low is None or high is None:
-        return f"{plus}{number(value)}" if value > 0 else number(value)
-    spread = high - low
-    digits = min(max(1 - math.floor(math.log10(spread)), 0), 8) if spread > 0 else 4
-    if value != 0:
-        # An interval far narrower than the value earns no more than five significant digits.
-        digits = min(digits, max(4 - math.floor(math.log10(abs(value))), 0))
-    return f"{value:{plus}.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
-
-
-def _percent(rate: float | None) -> str:
-    return "-" if rate is None else f"{100 * rate:.2f}"
-
-
 def _words(name: str) -> str:
     return name.replace("_", " ").capitalize()
 
@@ -163,7 +137,7 @@ def _outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
             method["method"],
             str(method["episodes"]),
             *(
-                f"{_interval(method['statuses'][e], 100.0)} ({method['statuses'][e]['count']})"
+                f"{interval(method['statuses'][e], 100.0)} ({method['statuses'][e]['count']})"
                 for e in endings
             ),
             *map(number, method["counted"].values()),
@@ -194,8 +168,8 @@ def _short_outcomes(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]
                     condition["label"] if place == 0 else "",
                     method["method"],
                     f"{method['episodes']:,}",
-                    _interval(rates[success], 100.0),
-                    *(_percent(rates[name]["value"]) for name in failures),
+                    interval(rates[success], 100.0),
+                    *(percent(rates[name]["value"]) for name in failures),
                     *(number(method["counted"][metric["name"]]) for metric in counted),
                 ]
             )
@@ -210,7 +184,7 @@ def _own_averages(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
             method["method"],
             _label(metric),
             _of_all(method["metrics"][metric["name"]]),
-            *(_interval(method["metrics"][metric["name"]][key]) for key in _AVERAGES),
+            *(interval(method["metrics"][metric["name"]][key]) for key in _AVERAGES),
         ]
         for condition in summary["conditions"]
         for method in condition["methods"]
@@ -233,8 +207,8 @@ def _differences(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
                     *start,
                     "Success (%)",
                     str(success["n"]),
-                    *map(_percent, rates),
-                    _interval(success["difference"], 100.0, sign=True),
+                    *map(percent, rates),
+                    interval(success["difference"], 100.0, sign=True),
                     "-",
                     "-",
                     "-",
@@ -249,9 +223,9 @@ def _differences(summary: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
                         *start,
                         _label(metric),
                         _of_all(found),
-                        _interval(found["baseline"]["mean"]),
-                        _interval(found["method"]["mean"]),
-                        _interval(gap, sign=True),
+                        interval(found["baseline"]["mean"]),
+                        interval(found["method"]["mean"]),
+                        interval(gap, sign=True),
                         _change(gap),
                         p_value(gap["p_t_holm"]),
                         p_value(gap["p_wilcoxon_holm"]),
@@ -272,8 +246,8 @@ def _short_differences(summary: dict[str, Any]) -> tuple[list[str], list[list[st
                 [
                     head,
                     "Success (%)",
-                    *map(_percent, _success_rates(success)),
-                    _interval(success["difference"], 100.0, sign=True),
+                    *map(percent, _success_rates(success)),
+                    interval(success["difference"], 100.0, sign=True),
                     "",
                     p_value(success["p_mcnemar_holm"]),
                 ]
@@ -288,7 +262,7 @@ def _short_differences(summary: dict[str, Any]) -> tuple[list[str], list[list[st
                         f"{_label(metric)}{own}",
                         number(found["baseline"]["mean"]["value"]),
                         number(found["method"]["mean"]["value"]),
-                        _interval(gap, sign=True),
+                        interval(gap, sign=True),
                         _change(gap),
                         p_value(gap["p_t_holm"]),
                     ]
@@ -309,7 +283,7 @@ def _change(gap: dict[str, Any]) -> str:
     """A share changes by points: from 0.8 to 99.8 % is no "+12375 %"."""
     if "points" in gap:
         return "-" if gap["points"] is None else f"{gap['points']:+.1f} pp"
-    return "-" if gap["relative"] is None else f"{100 * gap['relative']:+.1f} %"
+    return change(gap["relative"])
 
 
 def _infinite(found: dict[str, Any]) -> int:
@@ -382,11 +356,3 @@ def _notes(summary: dict[str, Any]) -> list[str]:
             f"by {looks}. {_stopping_note(summary)}"
         )
     return notes
-
-
-def _markdown_table(header: list[str], rows: list[list[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(
-        "| " + " | ".join(printable(cell).replace("|", r"\|") for cell in row) + " |"
-        for row in lines
-    )

@@ -28,9 +28,9 @@ from usvjax.missions.cruise.methods import (
 )
 from usvjax.missions.cruise.mission import MISSION
 from usvjax.plots.route import length_words
+from usvjax.report.numbers import number
 from usvjax.study import load_run, load_spec, parse_spec, run_study
 from usvjax.study.figures import figures_for_run
-from usvjax.study.report import number
 from usvkernels.status import CRUISE_ENDINGS, Status
 
 JOBS = np.arange(8)

@@ -20,9 +20,9 @@ from usvjax.plots import style
 from usvjax.plots.film import write_film
 from usvjax.plots.methods import plot_methods
 from usvjax.plots.route import busiest, closeup_width, length_words, view_around
+from usvjax.report.sheets import text_of
 from usvjax.search.astar import astar
 from usvjax.search.replanning import dstar_lite
-from usvjax.sheets import text_of
 from usvjax.study import load_run, load_spec, run_study
 from usvjax.study.figures import figures_for_run
 from usvjax.study.report import terminal

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from usvjax.errors import printable
-from usvjax.sheets import Sheet, folded, text_of
+from usvjax.report.sheets import Sheet, folded, text_of
 
 WIDTHS = (1, 20, 40, 60, 80, 120, 200, None)
 

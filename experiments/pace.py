@@ -1,0 +1,89 @@
+"""How long a paper's experiments will take here, by how long they took for the record.
+
+Both machines run one and the same small study of the lane driver, the yardstick; the seconds of
+the record are scaled by it, and by the sizes that are asked for.
+"""
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import usvjax as uj
+from experiments.output import RESULTS
+from experiments.runs import Run, Study, place_of
+
+MAPS, SIDE, DENSITY = 512, 50, 0.1
+REPEATS = 3
+LEAST = 2.0  # s, that a run takes at any size: most of it compilation
+
+
+@cache
+def yardstick() -> float:
+    """Seconds that a fixed batch of searches takes here, compilation apart."""
+    blocked = uj.random_maps(0, MAPS, (SIDE, SIDE), DENSITY)
+    blocked[:, 0, 0] = blocked[:, -1, -1] = False
+    seconds = []
+    for _ in range(1 + REPEATS):
+        begun = perf_counter()
+        uj.astar(blocked, (0, 0), (SIDE - 1, SIDE - 1))
+        seconds.append(perf_counter() - begun)
+    return median(seconds[1:])
+
+
+def record(seconds: Mapping[str, float], sizes: Mapping[str, int]) -> dict[str, Any]:
+    """What is kept of a run, for results.json.
+
+    Args:
+        seconds: that each took, by name.
+        sizes: how much each did.
+    """
+    return {
+        "yardstick": yardstick(),
+        "runs": {name: {"seconds": took, "size": sizes[name]} for name, took in seconds.items()},
+    }
+
+
+def forecast(paper: str, runs: Mapping[str, Run]) -> str:
+    """Say how long it will take, and how much there is to do.
+
+    Args:
+        paper: its name.
+        runs: everything to run, by name.
+    """
+    sizes = {name: run.size for name, run in runs.items()}
+    episodes = sum(run.size for run in runs.values() if isinstance(run, Study))
+    what = f"{paper}: {episodes:,} episodes" if episodes else paper
+    known = _recorded(paper)
+    if known is None or set(runs) - set(known["runs"]):
+        return f"{what}; how long it takes was never recorded"
+    scale = yardstick() / known["yardstick"]
+    total = 0.0
+    for name, run in runs.items():
+        if isinstance(run, Study) and _is_there(paper, run):
+            continue
+        own = known["runs"][name]
+        share = sizes[name] / own["size"] if own["size"] else 1.0
+        total += max(scale * own["seconds"] * share, LEAST)
+    return f"{what}; about {duration(total)} here, and compilation where it is the first time"
+
+
+def _is_there(paper: str, run: Study) -> bool:
+    return (place_of(paper, run.spec) / run.spec.name / "summary.json").is_file()
+
+
+def _recorded(paper: str) -> dict[str, Any] | None:
+    try:
+        found = json.loads((RESULTS / paper / "results.json").read_text(encoding="utf-8"))
+        return dict(found["pace"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def duration(seconds: float) -> str:
+    """Seconds in words."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

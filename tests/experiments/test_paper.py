@@ -1,0 +1,206 @@
+"""The machinery of papers: what is run, judged, written and resumed, on a paper of our own."""
+
+import json
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from experiments import claims, output
+from experiments.claims import Check, Claim, Finding, judge, weigh
+from experiments.output import RESULTS, results_folder, rounded
+from experiments.paper import Absent, Drawing, Options, Paper, Part, main
+from experiments.runs import Call, Study, place_of
+from usvjax.errors import BadInputError
+from usvjax.report import Section, Sheet
+from usvjax.statistics import Estimate
+
+YES, NO, NEITHER = (Finding(holds, "n") for holds in (True, False, None))
+
+
+@dataclass(frozen=True)
+class Sizes(Options):
+    """A paper of our own.
+
+    Attributes:
+        episodes: How many.
+    """
+
+    episodes: int | None = None
+
+
+def runs(options):
+    if options.episodes is not None and options.episodes < 1:
+        raise BadInputError(f"--episodes: got {options.episodes}; wanted at least 1")
+    study = {
+        "name": "sailed",
+        "kind": "dwa",
+        "episodes": options.episodes or 4,
+        "shard": 2,
+        "methods": ["traditional", "improved"],
+        "static": {"max_steps": 60},
+        "conditions": [{"label": "thin", "maps": {"rate": 0.02}}],
+    }
+    return {"sailed": Study(study), "timed": Call(lambda advance: advance(1) or 7.0, 1)}
+
+
+def measured(found):
+    ran = found.studies["sailed"]
+    columns = ran.columns("thin", "improved")
+    assert ran.replay("thin", "improved", [1]).columns["steps"] == columns["steps"][1]
+    return {"mean": Estimate(float(np.mean(columns["steps"]))), "seconds": found.made["timed"]}
+
+
+def decided(holds, numbers, reading):
+    return Finding(holds, f"{numbers['seconds']:g} s, {reading}")
+
+
+def claimed(numbers):
+    return [
+        Claim("It sails", "always", partial(decided, True), {"one": 1, "two": 2}, {"fit": 3}, "T."),
+        Claim("It flies", "never", partial(decided, False), {"one": 1}, test="T."),
+    ]
+
+
+def drawn(found, numbers):
+    yield Drawing("steps", "Steps.", Figure())
+
+
+PAPER = Paper(
+    name="somebody2099",
+    cite="Somebody 2099",
+    title="nothing",
+    about="Nothing is here.",
+    options=Sizes,
+    parts=[
+        Part(
+            name="sailing",
+            title="Sailing",
+            runs=runs,
+            measure=measured,
+            claims=claimed,
+            sections=lambda n: [Section("Table 1", [Sheet("", ["a"], [[f"{n['seconds']}"]])])],
+            figures=drawn,
+            readings=lambda n: ["As it stands."],
+            summary=lambda n: ["Little."],
+        )
+    ],
+    absent=[Absent("Table 2", "it has no numbers")],
+    checks=lambda: [Check("Table 1", "1", "2", "contradicts"), Check("T", "1", "1", "agrees")],
+)
+
+
+def run(*args):
+    return main(PAPER, list(args))
+
+
+def test_a_paper_is_run_judged_written_and_not_run_twice(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run("--quick", "--format", "svg") == 0
+    folder = Path("runs/somebody2099_quick")
+    text = (folder / "README.md").read_text()
+    for words in (
+        "# Somebody 2099: nothing",
+        "Written by `usvjax reproduce somebody2099`",
+        "**Reproduces**: It sails.",
+        "**Does not reproduce**: It flies.",
+        "| It sails | always | **reproduces** | yes: 7 s, 1 | yes: 7 s, 2 | yes: 7 s, 3 |",
+        "(fit)",
+        "It sails; It flies: T.",
+        "Of 2 checks of the paper's numbers against each other 1 agree",
+        "- Table 2: it has no numbers",
+        "![Steps.](figures/steps.svg)",
+    ):
+        assert words in text, words
+    assert (folder / "figures/steps.svg").is_file()
+    found = json.loads((folder / "results.json").read_text())
+    assert found["sailing"]["mean"] == {
+        "value": pytest.approx(60, abs=60),
+        "low": None,
+        "high": None,
+    }
+    assert found["pace"]["runs"]["sailing: sailed"]["size"] == 8
+    out, err = capsys.readouterr()
+    assert "somebody2099: 8 episodes; how long it takes was never recorded" in err
+    assert "It flies (published: never): DOES NOT REPRODUCE" in out
+    assert "no: 7 s, 1" in out
+
+    spec = runs(Sizes())["sailed"].spec
+    shards = list((place_of("somebody2099", spec) / "sailed").rglob("*.parquet"))
+    assert len(shards) == 2
+    before = [shard.stat().st_mtime_ns for shard in shards]
+    assert run("--quick") == 0
+    assert [shard.stat().st_mtime_ns for shard in shards] == before
+
+
+def test_verdicts():
+    assert weigh([YES, NEITHER]) == "reproduces"
+    assert weigh([YES, NO]) == "depends on the reading"
+    assert weigh([NO, NO]) == "does not reproduce"
+    assert weigh([NEITHER]) == "undecided"
+    readings = {"a": YES, "b": YES}
+    weak = Claim("c", "p", lambda n, given: given, readings, {"d": NO}, weak=True)
+    (verdict,) = judge([weak], {})
+    assert verdict.verdict == "not excluded"
+    assert claims.sheet([verdict]).rows[0][3:] == ["yes: n", "yes: n", "no: n"]
+
+
+def test_numbers_are_rounded():
+    given = {"a": [1 / 3, np.inf, 7], 1: (2.0,), "e": Estimate(np.float32(0.5)), "n": np.int32(3)}
+    wanted = {"a": [0.333333, None, 7], "1": [2.0], "n": 3}
+    assert rounded(given) == wanted | {"e": {"value": 0.5, "low": None, "high": None}}
+
+
+def test_the_record_is_written_only_when_asked_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(output, "RESULTS", tmp_path / "kept")
+    assert results_folder("a", None, False, False) == Path("runs/a")
+    assert results_folder("a", None, False, True) == Path("runs/a_quick")
+    assert results_folder("a", tmp_path / "b", False, True) == tmp_path / "b"
+    assert results_folder("a", None, True, False) == tmp_path / "kept/a"
+    assert RESULTS.name == "results"
+    for out, look in ((None, True), (tmp_path / "b", False)):
+        with pytest.raises(BadInputError, match="--record writes the results"):
+            results_folder("a", out, True, look)
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["--foo"], "Unrecognized options: --foo"),
+        (["--episodes", "x"], "--episodes: got 'x'; wanted a whole number"),
+        (["--episodes", "0"], "--episodes: got 0; wanted at least 1"),
+        (["--record", "--quick"], "--record writes the results"),
+        (["--format", "gif"], "--format"),
+    ],
+)
+def test_options_that_cannot_be_used_are_one_line(args, words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run(*args) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("somebody2099: ")
+    assert words in err
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("README.md", "mine"),
+        ("README.md", "Written by `usvjax reproduce` of somebody else"),
+        ("notes.txt", "mine"),
+    ],
+)
+def test_a_folder_of_something_else_is_refused_and_left_alone(name, text, tmp_path, capsys):
+    (tmp_path / name).write_text(text)
+    assert run("--quick", "--out", str(tmp_path)) == 2
+    assert (
+        "holds files that 'usvjax reproduce somebody2099' did not write" in capsys.readouterr().err
+    )
+    assert (tmp_path / name).read_text() == text
+    assert [file.name for file in tmp_path.iterdir()] == [name]
