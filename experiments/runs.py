@@ -13,7 +13,7 @@ import numpy as np
 import polars as pl
 
 import usvjax as uj
-from usvjax.cli.console import Meter
+from usvjax.cli.console import Meter, StudyMeter
 from usvjax.mission import Replayed
 from usvjax.study.code import code_digest
 from usvjax.study.reader import Run as StudyRun
@@ -162,32 +162,6 @@ def place_of(paper: str, spec: StudySpec) -> Path:
 
 
 def _studied(paper: str, name: str, spec: StudySpec) -> Ran:
-    meter = _Listener(f"{paper}: {name}")
-    try:
+    with StudyMeter(f"{paper}: {name}") as meter:
         result = run_study(spec, place_of(paper, spec), listener=meter)
-    finally:
-        meter.end()
     return Ran(spec, result.path)
-
-
-class _Listener:
-    """Shows how far a study has got."""
-
-    def __init__(self, what: str) -> None:
-        self._meter = Meter(what, "episodes")
-
-    def begin(self, done: int, total: int) -> None:
-        """Show the bar."""
-        self._meter.begin(done, total)
-
-    def advance(self, episodes: int) -> None:
-        """Move the bar."""
-        self._meter.advance(episodes)
-
-    def stopping(self) -> None:
-        """Say that Ctrl-C was understood."""
-        self._meter.say("stopping: finishing the shards under way ...")
-
-    def end(self) -> None:
-        """Leave the last state standing."""
-        self._meter.end(whole=False)

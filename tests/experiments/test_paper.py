@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from experiments import claims, output
+from experiments import claims, output, pace
 from experiments.claims import Check, Claim, Finding, judge, weigh
 from experiments.output import RESULTS, results_folder, rounded
 from experiments.paper import Absent, Drawing, Options, Paper, Part, main
@@ -134,6 +134,24 @@ def test_a_paper_is_run_judged_written_and_not_run_twice(tmp_path, monkeypatch, 
     before = [shard.stat().st_mtime_ns for shard in shards]
     assert run("--quick") == 0
     assert [shard.stat().st_mtime_ns for shard in shards] == before
+
+
+def test_how_long_it_takes_is_scaled_from_the_record(tmp_path, monkeypatch):
+    monkeypatch.setattr(pace, "RESULTS", tmp_path)
+    monkeypatch.setattr(pace, "yardstick", lambda: 3.0)
+    monkeypatch.chdir(tmp_path)
+    wanted = {"a": Call(lambda advance: None, 40), "b": Call(lambda advance: None, 1)}
+    assert pace.forecast("p", wanted) == "p; how long it takes was never recorded"
+    (tmp_path / "p").mkdir()
+    for runs, words in (
+        ({"a": (10.0, 20)}, "p; how long it takes was never recorded"),
+        ({"a": (10.0, 20), "b": (0.1, 1)}, "p; about 62 s here"),  # 3 / 1 * 10 * 40 / 20, and 2
+        ({"a": (20.0, 20), "b": (0.1, 1)}, "p; about 2 min here"),
+    ):
+        own = {name: {"seconds": s, "size": size} for name, (s, size) in runs.items()}
+        record = {"pace": {"yardstick": 1.0, "runs": own}}
+        (tmp_path / "p/results.json").write_text(json.dumps(record))
+        assert pace.forecast("p", wanted).startswith(words)
 
 
 def test_verdicts():

@@ -6,6 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Iterable
+from types import TracebackType
 
 from rich.cells import cell_len
 from rich.console import Console
@@ -142,6 +143,40 @@ class Meter:
             Elapsed(),
             TextColumn("so far"),
         )
+
+
+class StudyMeter:
+    """Progress of a study on stderr, its listener; an episode counts once per method."""
+
+    def __init__(self, name: str, quiet: bool = False) -> None:
+        """Nothing is shown before `begin`; arguments as of `Meter`."""
+        self._meter = Meter(name, "episodes", quiet)
+
+    def __enter__(self) -> "StudyMeter":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        # A study that stopped early is finished nevertheless.
+        self._meter.end(whole=kind is None)
+
+    def begin(self, done: int, total: int) -> None:
+        """Show the bar, and how much is there already."""
+        self._meter.begin(done, total)
+        if done:
+            self._meter.say(f"continuing: {done:,} of {total:,} episodes on disk")
+
+    def advance(self, episodes: int) -> None:
+        """Move the bar."""
+        self._meter.advance(episodes)
+
+    def stopping(self) -> None:
+        """Say that Ctrl-C was understood."""
+        self._meter.say("stopping: finishing the shards under way; Ctrl-C again stops at once ...")
 
 
 class _Count(ProgressColumn):

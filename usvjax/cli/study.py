@@ -5,12 +5,11 @@ import os
 import shlex
 import sys
 from pathlib import Path
-from types import TracebackType
 from typing import Annotated
 
 import tyro
 
-from usvjax.cli.console import Meter, show, show_line
+from usvjax.cli.console import StudyMeter, show, show_line
 
 StudyPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")]
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
@@ -53,7 +52,7 @@ def study(
     spec = load_spec(file)
     again = shlex.join(["usvjax", "study", str(file), "--out", str(out)])
     try:
-        with _Bar(spec.name, quiet) as bar:
+        with StudyMeter(spec.name, quiet) as bar:
             result = run_study(spec, out, devices=devices, listener=bar)
     except StudyStoppedError as stop:
         had = f"stopped with {stop.done:,} of {stop.total:,} episodes on disk"
@@ -90,36 +89,3 @@ def _figures(run: Path, folder: Path) -> list[Path]:
 
 def _tell(line: str) -> None:
     print("usvjax:", line, file=sys.stderr)
-
-
-class _Bar:
-    """Progress on stderr; an episode counts once per method."""
-
-    def __init__(self, name: str, quiet: bool) -> None:
-        self._meter = Meter(name, "episodes", quiet)
-
-    def __enter__(self) -> "_Bar":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        # A study that stopped early is finished nevertheless.
-        self._meter.end(whole=kind is None)
-
-    def begin(self, done: int, total: int) -> None:
-        """Show the bar, and how much is there already."""
-        self._meter.begin(done, total)
-        if done:
-            self._meter.say(f"continuing: {done:,} of {total:,} episodes on disk")
-
-    def advance(self, episodes: int) -> None:
-        """Move the bar."""
-        self._meter.advance(episodes)
-
-    def stopping(self) -> None:
-        """Say that Ctrl-C was understood."""
-        self._meter.say("stopping: finishing the shards under way; Ctrl-C again stops at once ...")
