@@ -5,7 +5,7 @@ from usvjax.plots import style
 style.register_looks(
     {
         "astar": style.Look(style.BLACK, "-", "o"),
-        "recommended": style.Look(style.BLUE, "-", "o"),
+        "recommended": style.Look(style.BLUE, "-", "s"),
         "proposed": style.Look(style.VERMILLION, "--", "*"),
         "gwo": style.Look(style.ORANGE, "-.", "^"),
         "aco": style.Look(style.GREEN, ":", "v"),

@@ -184,8 +184,8 @@ def plot_expanded(
         fig.suptitle(style.folded(title, 95))
     style.outside_legend(fig, handles, columns=3)
     style.settle(fig)
-    base_map.draw_source(axes[-1], grid_map.attribution)
-    return fig
+    base_map.write_below(axes[0], grid_map.attribution)
+    return style.settle(fig)
 
 
 def _draw_search(ax: Axes, grid_map: GridMap, search: Expanded) -> list[Line2D]:
