@@ -69,7 +69,7 @@ def draw_panels(
         for ax in drawn[-1][-columns[i] :]:
             # Where nothing stands below, though it is not the last row.
             ax.tick_params(labelbottom=True)
-            ax.xaxis.label.set_visible(True)
+            ax.set_xlabel(drawn[-1][-1].get_xlabel())
     return fig, drawn, handles
 
 
