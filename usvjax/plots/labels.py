@@ -38,7 +38,7 @@ def draw_labels(
     """
     points = ax.transData.transform(places) * 72 / ax.figure.dpi
     taken = np.concatenate([points, *(_samples(ax, line) for line in lines)])
-    frame = ax.get_window_extent().extents * 72 / ax.figure.dpi
+    frame = np.asarray(ax.get_window_extent().extents) * 72 / ax.figure.dpi
     boxes: list[FloatArray] = []
     for place, point, text in zip(places, points, texts, strict=True):
         half = np.array([_LETTER * _SIZE * len(text) + 1.0, _SIZE + 1.0]) / 2

@@ -126,7 +126,7 @@ def _draw_together(
     """Draw all routes on one chart for each view; what it returns is as from `draw_panels`."""
     if len(views) == 1:
         fig, ax = base_map.new_sheet(grid_map, views[0])
-        axes = [ax]
+        axes: Sequence[Axes] = [ax]
     else:
         fig, axes = _two_sheets(grid_map, views)
     handles: list[Line2D] = []

@@ -1,6 +1,7 @@
 """Many routes between the same two points: a small chart for each, the others in grey below."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,7 +24,7 @@ HALO_ID = "halo"
 # Charts side by side by the shape (height / width) that they have at least; width of one, mm.
 _COLUMNS = ((0.8, 4), (0.5, 3), (0.0, 2))
 _PANEL_MM = {4: 38.0, 3: 51.0, 2: 77.0}
-_OTHERS = {"color": style.GREY, "linewidth": 0.8}
+_OTHERS: dict[str, Any] = {"color": style.GREY, "linewidth": 0.8}
 
 
 def draw_panels(
