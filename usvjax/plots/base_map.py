@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import FuncFormatter, MaxNLocator
-from matplotlib.transforms import offset_copy
+from matplotlib.transforms import ScaledTranslation, Transform
 from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
@@ -174,7 +174,7 @@ def _draw_scale(ax: Axes, down: float) -> None:
     """Draw a bar of a round length, so many points below the axes and beside the arrow."""
     west, east = ax.get_xlim()
     length = _round_length(0.25 * (east - west))
-    corner = offset_copy(ax.transAxes, ax.figure, _BESIDE, down, units="points")
+    corner = _shifted(ax, _BESIDE, down)
     bar = AnchoredSizeBar(
         ax.transData,
         length,
@@ -203,11 +203,11 @@ def _round_length(longest: float) -> float:
 
 def _draw_north(ax: Axes, down: float) -> None:
     """Draw an arrow of one size below the western end of the axes, whatever their scale."""
-    foot = offset_copy(ax.transAxes, ax.figure, 4.0, down - _ARROW, units="points")
+    foot, tip = _shifted(ax, 4.0, down - _ARROW), _shifted(ax, 4.0, down)
     ax.annotate(
         "N",
         xy=(0, 0),
-        xycoords=offset_copy(foot, ax.figure, 0.0, _ARROW, units="points"),
+        xycoords=tip,
         xytext=(0, 0),
         textcoords=foot,
         fontsize=7.0,
@@ -216,3 +216,8 @@ def _draw_north(ax: Axes, down: float) -> None:
         arrowprops={"arrowstyle": "-|>", "color": style.BLACK, "linewidth": 0.9, "shrinkA": 3.0},
         annotation_clip=False,
     )
+
+
+def _shifted(ax: Axes, right: float, up: float) -> Transform:
+    """Places on axes as shares of their size, moved by so many points."""
+    return ax.transAxes + ScaledTranslation(right / 72, up / 72, ax.figure.dpi_scale_trans)

@@ -158,9 +158,9 @@ def method_looks(methods: Iterable[str]) -> dict[str, Look]:
 
 def method_handle(look: Look, label: str, *, joined: bool = True) -> Line2D:
     """Return the legend handle of a method: its marker, on its line where its marks are joined."""
-    colour, line, marker = look
-    line = line if joined else ""
-    return Line2D([], [], color=colour, linestyle=line, marker=marker, markersize=4, label=label)
+    line = look.line if joined else ""
+    marks: dict[str, Any] = {"marker": look.marker, "markersize": 4}
+    return Line2D([], [], color=look.colour, linestyle=line, label=label, **marks)
 
 
 def box_handle(look: Look, label: str) -> Line2D:
