@@ -19,7 +19,7 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 FLOORS = (
     ("errors", "suggest", "exports", "version", "ambient"),
     ("checks",),
-    ("devices", "statistics"),
+    ("devices", "pictures", "statistics"),
     ("report",),
     ("batches", "programs", "public"),
     ("keys", "memory", "tables"),

@@ -202,13 +202,14 @@ def test_without_a_difference_or_a_success_there_still_is_an_example():
 
 def test_plot_draws_a_lattice_run(lattice_run, tmp_path, capsys):
     run = copy_of(lattice_run, tmp_path)
-    assert main(["plot", str(run), "--max-examples", "1", "--format", "png", "pdf"]) == 0
+    command = ["plot", str(run), "--max-examples", "1", "--format", "png", "pdf", "--dpi", "100"]
+    assert main(command) == 0
     names = ["success", "distributions", "paths-c0"]
     expected = {f"{name}.{suffix}" for name in names for suffix in ("png", "pdf")}
     assert {path.name for path in (run / "figures").iterdir()} == expected
     for name in names:
         with Image.open(run / "figures" / f"{name}.png") as image:
-            assert image.width in (669, 1338)
+            assert image.width in (334, 335, 669)
     out = capsys.readouterr().out
     assert all(name in out for name in expected)
 
@@ -247,6 +248,25 @@ def test_a_study_that_is_shown_again_draws_nothing(tmp_path, monkeypatch, capsys
     monkeypatch.setattr("usvjax.study.study.summarise", None)
     assert main(command) == 0
     assert capsys.readouterr().out == shown
+
+
+def test_a_study_draws_in_the_formats_asked_for(tmp_path, monkeypatch, capsys):
+    from usvjax import plots
+
+    fig = plots.plot_paths([(9.0, 9.0)], 0.5, {"a": [[0, 0], [1, 1]]}, (0, 0), (1, 1))
+    monkeypatch.setattr("study_fake.ToyMission.figures", lambda *_: iter([("way", fig)]))
+    (tmp_path / "toy.toml").write_text('name = "toy"\nkind = "toy"\nepisodes = 6\n')
+    command = ["study", str(tmp_path / "toy.toml"), "--out", str(tmp_path), "--quiet"]
+    figures = tmp_path / "toy" / "figures"
+    for more, names in (
+        ([], {"way.png"}),
+        (["--format", "svg", "pdf"], {"way.png", "way.svg", "way.pdf"}),
+    ):
+        assert main([*command, *more]) == 0
+        assert {path.name for path in figures.iterdir()} == names
+    assert main([*command, "--dpi", "50"]) == 0
+    with Image.open(figures / "way.png") as image:
+        assert image.width == pytest.approx(85 / 25.4 * 50, abs=1)
 
 
 def test_a_study_that_may_only_be_read_is_shown_without_new_figures(tmp_path, monkeypatch, capsys):
@@ -326,6 +346,10 @@ def test_animate_takes_the_example_by_default(lattice_run, tmp_path, capsys):
         (["animate", "{nowhere}"], "is not a run of usvjax"),
         (["plot", "{empty}"], "holds no episodes yet"),
         (["plot", "{run}", "--max-paths", "0"], "max_paths is 0"),
+        (["plot", "{run}", "--dpi", "19"], "dpi is 19; 20 to 1200 was wanted"),
+        (["plot", "{run}", "--format", "jpeg"], "invalid choice 'jpeg' for argument '--format'"),
+        (["study", "{run}", "--dpi", "2000"], "dpi is 2000; 20 to 1200 was wanted"),
+        (["animate", "{run}", "--dpi", "2000"], "dpi is 2000; 20 to 1200 was wanted"),
         (["plot", "{run}", "--max-examples", "-1"], "max_examples is -1"),
         (["animate", "{run}", "--condition", "7"], "condition is 7"),
         (["animate", "{run}", "--method", "imp"], "method is 'imp'"),

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from figure_kinds import check_figure
 from matplotlib.figure import Figure
 from study_fake import KIND as TOY
 from study_fake import run_files
@@ -183,6 +184,9 @@ def test_every_mission_draws_its_run_and_films_its_episodes(kind, finished):
     drawn = dict(replay.mission.figures(run, replay))
     assert drawn
     assert all(isinstance(found, Figure | pl.DataFrame) for found in drawn.values())
+    for found in drawn.values():
+        if isinstance(found, Figure):
+            check_figure(found)
     film = replay.mission.film(replay(0, run.methods[-1], [4]), 0)
     assert isinstance(film, Film)
     film.show(film.steps - 1)

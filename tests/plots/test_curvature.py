@@ -38,6 +38,18 @@ def test_a_circle_bends_by_one_over_its_radius():
     assert_inside(fig)
 
 
+def test_the_axis_goes_to_the_end_of_the_longest_route():
+    long = plots.bends_of([[0.0, 0], [100, 0], [100, 100], [100, 900]])
+    short = plots.bends_of([[0.0, 0], [300, 0]], np.zeros(2))
+    assert (long.end, short.end) == (1000.0, 300.0)
+    fig = plots.plot_curvature({"astar": long, "smoothed": short}, 30.0)
+    for ax, end in zip(fig.axes, (1000.0, 300.0), strict=True):
+        assert ax.get_xlim()[1] >= 1000.0
+        (zero,) = (x for x in ax.lines if x.get_zorder() == 1)
+        assert zero.get_xdata().tolist() == [0.0, end]
+    assert plots.Bends(np.ones(1), np.ones(1), at_corners=True).end == 1.0
+
+
 def test_corners_that_stayed_are_marked_and_counted():
     line = np.array([[0.0, 0], [50, 0], [100, 0], [100, 50], [100, 100]])
     corners = [[100.0, 0.0], [np.nan, np.nan], [100.0, 50.0]]

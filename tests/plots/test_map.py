@@ -84,19 +84,26 @@ def test_the_scale_bar_is_a_round_length_and_as_long_as_it_says(cell_size, lengt
     assert bar.txt_label.get_text() == text
 
 
-@pytest.mark.parametrize("north", [True, False])
-def test_the_scale_bar_stands_on_land_of_the_part_shown(north):
-    blocked = np.zeros((40, 40), bool)
-    blocked[10:20] = True
-    grid = GridMap(blocked, 10.0)
-    view = (0.0, 100.0, 0.0, 200.0) if north else (0.0, 100.0, 100.0, 300.0)
-    fig = plots.plot_chart(grid, [[[50.0, 50.0]]], [1], view=view)
-    bar, _ = scale_bar(fig)
+@pytest.mark.parametrize("shape", [(40, 40), (100, 8), (4, 60)])
+def test_what_explains_a_map_stands_below_it_and_apart(shape):
+    grid = GridMap(np.zeros(shape, bool), 10.0, attribution="Survey of the Ponds (2024)")
+    fig = plots.plot_map(grid)
     fig.canvas.draw()
-    box, axes = bar.get_window_extent(), fig.axes[0].get_window_extent()
-    middle = (axes.y0 + axes.y1) / 2
-    assert bool(box.y0 > middle) is north
-    assert box.x1 < axes.x0 + axes.width / 2
+    (ax,), (legend,) = fig.axes, fig.legends
+    bar, _ = scale_bar(fig)
+    (arrow,) = (a for a in ax.findobj(Annotation) if a.get_text() == "N")
+    (note,) = (a for a in ax.findobj(Annotation) if "Survey" in a.get_text())
+    boxes = [a.get_window_extent() for a in (bar, arrow, note)]
+    labels = ax.xaxis.get_tightbbox()
+    for i, box in enumerate(boxes):
+        assert box.y1 <= labels.y0
+        assert box.y0 >= legend.get_window_extent().y1
+        assert not any(box.overlaps(other) for other in boxes[:i])
+
+
+def test_the_legend_of_a_map_has_what_is_there():
+    for blocked, text in ((True, "land (blocked)"), (False, "water (free)")):
+        assert legend_texts(plots.plot_map(GridMap(np.full((3, 4), blocked)))) == [text]
 
 
 def test_north_is_up():

@@ -50,7 +50,7 @@ def test_paths_show_both_methods_on_one_map_with_endings():
     assert ax.get_title() == "radius 0.5 m"
     assert legend_texts(fig) == [
         "start",
-        "goal",
+        "goal, reached within 0.5 m",
         "obstacle, expanded by r = 0.5 m",
         "traditional: collided, 61.6 s, 16.86 m",
         "improved: reached, 36.2 s, 14.69 m",
@@ -110,7 +110,7 @@ def test_chart_counts_all_episodes_and_draws_some():
     assert ax.get_aspect() == 1.0
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("x, east (km)", "y, north (km)")
     assert tick_numbers(ax)[[0, -1]].tolist() == [2.0, 10.0]
-    assert ax.get_title() == "Lake: 20 of 40 episodes drawn"
+    assert ax.get_title() == "Lake\n20 of 40 episodes drawn, marks where they ended; counts of all"
     endings = ("reached", "collided", "stuck", "timed out")
     assert legend_texts(fig) == [f"{name} 10 (25.0 %)" for name in endings]
     lines = tracks_of(ax)
@@ -120,16 +120,15 @@ def test_chart_counts_all_episodes_and_draws_some():
     assert_inside(fig)
 
 
-def test_the_legend_of_a_sample_tells_the_rates_of_all():
+def test_the_legend_has_the_endings_drawn_with_the_rates_of_all():
     every = np.repeat([1, 2, 3, 4], [1500, 460, 39, 1])
     sample = np.repeat([1, 3], [30, 10])
     fig = plots.plot_chart(lake(), lake_tracks(), sample, sample_of=every, title="Lake")
-    assert fig.axes[0].get_title() == "Lake: 40 of 2,000 episodes drawn"
-    assert legend_texts(fig) == [
-        "reached 1,500 (75.0 %)",
-        "collided 460 (23.0 %)",
-        "stuck 39 (1.9 %)",
-        "timed out 1 (0.1 %)",
+    assert legend_texts(fig) == ["reached 1,500 (75.0 %)", "stuck 39 (1.9 %)"]
+    assert fig.axes[0].get_title().split("\n") == [
+        "Lake",
+        "40 of 2,000 episodes drawn, marks where they ended; counts of all",
+        "not among these: collided 460 (23.0 %), timed out 1 (0.05 %)",
     ]
 
 
@@ -153,6 +152,11 @@ def test_chart_shows_a_part_about_the_failures():
     assert fig.axes[0].get_xlabel() == "x, east (m)"
     assert "200 m" in texts_of(fig.axes[0])
     assert legend_texts(fig) == ["reached 2 (66.7 %)", "stuck 1 (33.3 %)"]
+    tracks[0, :, :2] += 3000.0
+    fig = plots.plot_chart(lake(), tracks, [4, 1, 3], view=view)
+    assert legend_texts(fig) == ["reached 1 (33.3 %)", "stuck 1 (33.3 %)"]
+    assert fig.axes[0].get_title().startswith("2 of 3 episodes drawn")
+    assert fig.axes[0].get_title().endswith("\nnot among these: timed out 1 (33.3 %)")
     assert plots.chart.detail(lake(), tracks, [1, 1, 1], 1000.0) is None
     wide = plots.chart.detail(lake(), tracks, [1, 1, 3], 1e6)
     np.testing.assert_allclose(wide, lake().extent)
@@ -174,7 +178,7 @@ def test_chart_refuses():
 # --- files and looks --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
+@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg", ".PDF", ".SVG"])
 def test_saving_twice_gives_the_same_bytes(tmp_path, suffix):
     first = plots.save(draw_paths(), tmp_path / f"a{suffix}")
     second = plots.save(draw_paths(), tmp_path / f"b{suffix}")
@@ -186,6 +190,22 @@ def test_a_png_is_85_mm_at_200_dpi(tmp_path):
     path = plots.save(draw_paths(), tmp_path / "a.png")
     with Image.open(path) as image:
         assert image.width == pytest.approx(85 / 25.4 * 200, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [("a", "a.pdf"), ("a.png", "a.pdf"), ("a.pdf", "a.pdf"), ("r 0.5", "r 0.5.pdf")],
+)
+def test_a_format_asked_for_chooses_the_suffix(tmp_path, name, wanted):
+    path = plots.save(draw_paths(), tmp_path / name, format="pdf")
+    assert path == tmp_path / wanted
+    assert path.read_bytes().startswith(b"%PDF")
+
+
+def test_text_of_a_vector_file_needs_no_font_of_the_reader(tmp_path):
+    fig = draw_paths()
+    assert b"/FontFile2" in plots.save(fig, tmp_path / "a", format="pdf").read_bytes()
+    assert b"<text" not in plots.save(fig, tmp_path / "a", format="svg").read_bytes()
 
 
 def test_a_failed_save_leaves_the_old_file_and_no_rubbish(tmp_path, monkeypatch):
@@ -208,10 +228,14 @@ def test_save_refuses(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(BadInputError, match=r"suffix '\.jpeg' is not one of"):
         plots.save(fig, tmp_path / "a.jpeg")
-    with pytest.raises(BadInputError, match="dpi is 0"):
-        plots.save(fig, tmp_path / "a.png", dpi=0)
+    with pytest.raises(BadInputError, match="format: got 'jpeg'"):
+        plots.save(fig, tmp_path / "a", format="jpeg")
+    for dpi in (0, 19, 1201):
+        with pytest.raises(BadInputError, match=f"dpi is {dpi}; 20 to 1200 was wanted"):
+            plots.save(fig, tmp_path / "a.png", dpi=dpi)
     with pytest.raises(BadInputError, match="cannot write"):
         plots.save(fig, tmp_path / "file" / "a.png")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 def test_methods_look_the_same_in_every_company():

@@ -179,7 +179,13 @@ def test_success_has_a_row_per_ending_and_a_column_per_obstacle_rate():
     assert_inside(fig)
 
 
-@pytest.mark.parametrize("draw", [plots.plot_success, plots.plot_distributions])
+def over_radius(table):
+    return plots.plot_success(
+        table, radius={0: 0.2, 1: 0.3, 2: 0.4}, rate=dict.fromkeys(range(3), 0.2)
+    )
+
+
+@pytest.mark.parametrize("draw", [over_radius, plots.plot_distributions])
 def test_a_legend_shows_that_a_line_is_broken(draw):
     (legend,) = draw(make_table()).legends
     line = legend.get_lines()[0]

@@ -10,6 +10,7 @@ import tyro
 
 from usvjax.cli.console import Meter, show_line
 from usvjax.cli.episodes import Job, Method, OutFile, RunPath, choose
+from usvjax.cli.figures import Dpi
 
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
 
@@ -22,6 +23,7 @@ def animate(
     out: OutFile = None,
     max_frames: int = 120,
     fps: int = 12,
+    dpi: Dpi = 110,
     folder: Path = Path(),
     as_json: AsJson = False,
 ) -> None:
@@ -40,6 +42,7 @@ def animate(
         out: File to write, .gif, or .mp4 where ffmpeg is installed; by default in RUN/figures.
         max_frames: Frames at most; steps between them are skipped evenly.
         fps: Frames per second.
+        dpi: Dots per inch, 20 to 1200.
         folder: Of the study; where files that it names have changed there, the run is refused.
             Where they are not, the copies that the run holds are read.
         as_json: Print the file written as JSON, for scripts.
@@ -50,10 +53,10 @@ def animate(
     use_compilation_cache()
     chosen = choose(run, condition, method, job, folder)
     target = chosen.place(f"episode-{chosen.name}.gif") if out is None else out
-    check_animation(target, max_frames=max_frames, fps=fps)
+    check_animation(target, max_frames=max_frames, fps=fps, dpi=dpi)
     film = chosen.replay.mission.film(chosen.again(), 0)
     with _bar(as_json) as progress:
-        write_film(film, target, max_frames=max_frames, fps=fps, progress=progress)
+        write_film(film, target, max_frames=max_frames, fps=fps, dpi=dpi, progress=progress)
     if as_json:
         print(json.dumps({"run": str(run), "animation": str(target)}))
         return

@@ -10,9 +10,10 @@ import tyro
 from rich.text import Text
 
 from usvjax.cli.console import console, room, show, show_line
-from usvjax.errors import BadInputError
+from usvjax.cli.figures import Dpi
 from usvjax.maps import GridMap, find_map, load_map, packaged_names, save_map
 from usvjax.maps.hongze import is_packaged_name
+from usvjax.pictures import DPI, check_dpi, check_suffix
 from usvjax.report.sheets import Sheet
 
 MapName = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="MAP")]
@@ -106,7 +107,7 @@ def convert_map(
         show(f"an image holds no scale: load it with --cell-size {grid.cell_size:g}")
 
 
-def draw_map(map_name: MapName, out: OutFile, cell_size: CellSize = None, dpi: int = 200) -> None:
+def draw_map(map_name: MapName, out: OutFile, cell_size: CellSize = None, dpi: Dpi = DPI) -> None:
     """Draw a map as a figure (.png, .pdf or .svg) with axes, scale and source.
 
     Example: usvjax maps draw hongze-250 lake.png
@@ -115,20 +116,17 @@ def draw_map(map_name: MapName, out: OutFile, cell_size: CellSize = None, dpi: i
         map_name: A packaged map such as hongze-250, or a map file.
         out: The figure to write.
         cell_size: Edge of a cell, m; needed for a plain image.
-        dpi: Dots per inch of a PNG.
+        dpi: Dots per inch of a PNG, 20 to 1200.
     """
     from usvjax.plots import style
     from usvjax.plots.map_sheet import plot_map
 
-    style.check_suffix(out, style.FORMATS)
-    if not 10 <= dpi <= MOST_DPI:
-        raise BadInputError(f"--dpi: got {dpi}; wanted 10 to {MOST_DPI}")
+    check_suffix(out)
+    check_dpi("--dpi", dpi)
     figure = plot_map(find_map(map_name, cell_size=cell_size))
     written = style.save(figure, out, dpi=dpi)
     show_line(f"wrote {written}")
 
-
-MOST_DPI = 2400
 
 MAPS_COMMANDS: dict[str, Callable[..., None]] = {
     "list": list_maps,

@@ -2,20 +2,22 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import tyro
 
 from usvjax.cli.console import show_line
+from usvjax.cli.figures import Dpi, Formats
+from usvjax.pictures import DPI
 
 RunPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RUN")]
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
-Formats = Annotated[tuple[Literal["png", "pdf", "svg"], ...], tyro.conf.arg(name="format")]
 
 
 def plot(
     run: RunPath,
     formats: Formats = ("png",),
+    dpi: Dpi = DPI,
     max_examples: int = 4,
     max_paths: int = 200,
     folder: Path = Path(),
@@ -31,7 +33,8 @@ def plot(
 
     Args:
         run: Directory that `usvjax study` wrote.
-        formats: File formats: png (200 dpi), pdf or svg.
+        formats: File formats, one or more: png, pdf or svg.
+        dpi: Dots per inch of a png, 20 to 1200.
         max_examples: Conditions, from the first, of which episodes are simulated again for
             paths, charts, routes and cruises; 0 for none.
         max_paths: Trajectories on a chart.
@@ -50,7 +53,8 @@ def plot(
 
     written = figures_for_run(
         run,
-        formats=tuple(f".{name}" for name in formats),
+        formats=formats,
+        dpi=dpi,
         max_examples=max_examples,
         max_paths=max_paths,
         folder=folder,

@@ -12,8 +12,10 @@ import tyro
 
 from usvjax.checks import one_of, shown
 from usvjax.cli.console import show, show_line
+from usvjax.cli.figures import Dpi
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap, find_map
+from usvjax.pictures import DPI, check_dpi, check_suffix
 from usvjax.report.sheets import Sheet
 
 if TYPE_CHECKING:
@@ -43,6 +45,7 @@ def route(
     metres: Flag = False,
     cell_size: Metres = None,
     plot: OutFile = None,
+    dpi: Dpi = DPI,
     csv: OutFile = None,
     as_json: Annotated[Flag, tyro.conf.arg(name="json")] = False,
 ) -> int:
@@ -79,6 +82,7 @@ def route(
         metres: Read --from and --to as x and y in metres, not as cells.
         cell_size: Edge of a cell, m; needed for a plain image.
         plot: Draw the route on the map into this file: .png, .pdf or .svg.
+        dpi: Dots per inch of a .png, 20 to 1200.
         csv: Write the points of the route into this file.
         as_json: Print JSON for scripts.
     """
@@ -101,14 +105,15 @@ def route(
     query = _Query(grid, water, ends[0], ends[1], search, SmoothingOptions(turning_radius))
     query.check()
     if plot is not None:
-        _check_figure(plot)
+        check_suffix(plot)
+        check_dpi("--dpi", dpi)
     use_compilation_cache()
     found, seconds = query.solve(chosen)
     there = int(found.counts[0]) > 0
     if there and csv is not None:
         _write_csv(csv, grid, found)
     if there and plot is not None:
-        _draw(plot, query, chosen, found)
+        _draw(plot, dpi, query, chosen, found)
     rows = _rows(query, chosen, found, seconds)
     if as_json:
         files = {"csv": csv, "plot": plot}
@@ -214,12 +219,6 @@ def _nearest(x: int, y: int, metres: bool, water: GridMap) -> str:
     return f"the nearest free cell is {place[0]:g},{place[1]:g}"
 
 
-def _check_figure(path: Path) -> None:
-    from usvjax.plots import style
-
-    style.check_suffix(path, style.FORMATS)
-
-
 def _write_csv(path: Path, grid: GridMap, found: "Routes") -> None:
     """Write points in m and in cells, where a cell's centre is a whole number."""
     from usvjax.maps import disk
@@ -232,7 +231,7 @@ def _write_csv(path: Path, grid: GridMap, found: "Routes") -> None:
     disk.write_all({path: ("\n".join(lines) + "\n").encode()})
 
 
-def _draw(path: Path, query: _Query, method: str, found: "Routes") -> None:
+def _draw(path: Path, dpi: int, query: _Query, method: str, found: "Routes") -> None:
     """Draw the route, below it that of A* where the method does something to it."""
     import usvjax.missions.route.looks  # noqa: F401
     from usvjax.plots import style
@@ -252,7 +251,7 @@ def _draw(path: Path, query: _Query, method: str, found: "Routes") -> None:
         turning_radius=radius,
         title=f"{query.grid.name}: {query.start} to {query.goal}".lstrip(": "),
     )
-    style.save(figure, path)
+    style.save(figure, path, dpi=dpi)
 
 
 def _rows(query: _Query, method: str, found: "Routes", seconds: float) -> list[_Row]:

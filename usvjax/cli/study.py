@@ -10,6 +10,8 @@ from typing import Annotated
 import tyro
 
 from usvjax.cli.console import StudyMeter, show, show_line
+from usvjax.cli.figures import Dpi, Formats
+from usvjax.pictures import DPI, check_pictures
 
 StudyPath = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.toml")]
 AsJson = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(name="json")]
@@ -24,6 +26,8 @@ def study(
     devices: Devices = None,
     quiet: Flag = False,
     no_figures: Flag = False,
+    formats: Formats = ("png",),
+    dpi: Dpi = DPI,
 ) -> None:
     """Run a study, or continue one that was stopped or killed.
 
@@ -41,6 +45,8 @@ def study(
             depend on it.
         quiet: No progress bar.
         no_figures: Draw no figures; `usvjax plot` draws them later.
+        formats: File formats of figures, one or more: png, pdf or svg.
+        dpi: Dots per inch of a png, 20 to 1200.
     """
     from usvjax.devices import use_compilation_cache
     from usvjax.study.report import terminal
@@ -48,6 +54,7 @@ def study(
     from usvjax.study.spec import load_spec
     from usvjax.study.study import run_study
 
+    check_pictures(formats, dpi)
     use_compilation_cache()
     spec = load_spec(file)
     again = shlex.join(["usvjax", "study", str(file), "--out", str(out)])
@@ -59,7 +66,7 @@ def study(
         raise KeyboardInterrupt(f"{had}; continue with: {again}") from None
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"interrupted; continue with: {again}") from None
-    figures = [] if no_figures else _figures(result.path, file.parent)
+    figures = [] if no_figures else _figures(result.path, file.parent, formats, dpi)
     if not result.written:
         _tell(f"{result.path} may only be read; its summary was computed and not written")
     if as_json:
@@ -74,17 +81,17 @@ def study(
         show_line(f"Figure   {figure}")
 
 
-def _figures(run: Path, folder: Path) -> list[Path]:
+def _figures(run: Path, folder: Path, formats: tuple[str, ...], dpi: int) -> list[Path]:
     """The figures of a run, drawn unless they are there; `folder` is that of its study."""
     from usvjax.study.figures import figures_as_drawn, figures_for_run
 
-    drawn = figures_as_drawn(run, folder)
+    drawn = figures_as_drawn(run, folder, formats=formats, dpi=dpi)
     if drawn is not None:
         return drawn
     if not os.access(run, os.W_OK):
         _tell(f"{run} may only be read; its figures are not drawn")
         return []
-    return figures_for_run(run, folder=folder)
+    return figures_for_run(run, folder=folder, formats=formats, dpi=dpi)
 
 
 def _tell(line: str) -> None:

@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import FuncFormatter, MaxNLocator
-from matplotlib.transforms import offset_copy
+from matplotlib.transforms import ScaledTranslation, Transform
 from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
@@ -29,12 +30,13 @@ _KILOMETRES_FROM_M = 5000.0
 # Beyond this, lines between cells are finer than a pixel and only cost time.
 _MOST_EDGES = 200_000
 _SOURCE_SIZE, _SOURCE_LINES = 6.0, 3
-# Share of the width that the source may take; the scale bar may stand beside it.
-_SOURCE_SHARE = 0.65
+# Share of the width that the source may take beside the scale bar, which takes a quarter; where
+# axes are narrower than this (points), it stands below the bar.
+_SOURCE_SHARE, _NARROW = 0.6, 200.0
 # Mean width of a letter in units of its font size, on the wide side.
 _LETTER = 0.6
-# Points looked at along each side of the view to find land for the scale bar.
-_SAMPLES = 60
+# Points: the arrow, the room that it takes beside the scale bar, and what stands below a bar.
+_ARROW, _BESIDE, _BELOW = 14.0, 12.0, 21.0
 
 
 def new_sheet(grid: GridMap, view: View | None = None) -> tuple[Figure, Axes]:
@@ -56,26 +58,48 @@ def new_sheet(grid: GridMap, view: View | None = None) -> tuple[Figure, Axes]:
     return fig, ax
 
 
-def finish_sheet(fig: Figure, ax: Axes, grid: GridMap, source: str) -> Figure:
-    """Add scale bar, north arrow, axis labels and source to a sheet, and run its layout.
+def finish_sheet(fig: Figure, ax: Axes, source: str) -> Figure:
+    """Label the axes of a sheet, write below them what `write_below` does, run the layout.
 
     Args:
         fig: the figure, with its title and legends.
         ax: its axes, with their limits.
-        grid: the map on it.
-        source: source and licence of the map, written below it; "" writes none.
+        source: source and licence of the map; "" writes none.
 
     Returns:
         The figure.
     """
     label_axes(ax)
-    _draw_scale(ax, grid)
-    _draw_north(fig, ax)
     style.settle(fig)
-    if not source:
-        return fig
-    _write_below(ax, source)
+    write_below(ax, source)
     return style.settle(fig)
+
+
+def write_below(ax: Axes, source: str) -> None:
+    """Draw north arrow, scale bar and source below a map, where they hide nothing of it.
+
+    Args:
+        ax: axes in m, whose layout is settled: the room is measured. Run it again afterwards.
+        source: source and licence of the map; "" writes none.
+    """
+    labels = ax.xaxis.get_tightbbox()
+    assert labels is not None
+    window = ax.get_window_extent()
+    down = (labels.y0 - window.y0) * 72 / ax.figure.dpi - 4
+    _draw_north(ax, down)
+    _draw_scale(ax, down)
+    narrow = window.width * 72 / ax.figure.dpi < _NARROW
+    ax.annotate(
+        _folded_source(ax, source, 1.0 if narrow else _SOURCE_SHARE),
+        xy=(1, 0),
+        xycoords="axes fraction",
+        xytext=(0, down - _BELOW * narrow),
+        textcoords="offset points",
+        fontsize=_SOURCE_SIZE,
+        color="#404040",
+        ha="right",
+        va="top",
+    )
 
 
 def paint_map(ax: Axes, grid: GridMap) -> None:
@@ -124,46 +148,11 @@ def label_axes(ax: Axes) -> None:
     style.map_axes(ax, "km" if kilometres else "m")
 
 
-def draw_source(ax: Axes, text: str) -> None:
-    """Write the source of a map small in the south-east corner, folded to fit.
-
-    Args:
-        ax: axes whose layout is settled, as the room is measured.
-        text: source and licence; "" writes nothing.
-    """
-    if not text:
-        return
-    note = _folded_source(ax, text, _SOURCE_SHARE)
-    box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.5}
-    mark = ax.text(0.995, 0.006, note, fontsize=_SOURCE_SIZE, bbox=box, transform=ax.transAxes)
-    mark.set(ha="right", va="bottom", color="#404040", zorder=5)
-    # It lies inside the axes and must not move a layout that is settled.
-    mark.set_in_layout(False)
-
-
 def _folded_source(ax: Axes, text: str, share: float) -> str:
     """The source in few lines, none wider than a share of the axes."""
     points = share * ax.get_window_extent().width * 72 / ax.figure.dpi
     letters = max(int(points / (_LETTER * _SOURCE_SIZE)), 12)
     return textwrap.fill(text, letters, max_lines=_SOURCE_LINES, placeholder=" ...")
-
-
-def _write_below(ax: Axes, text: str) -> None:
-    """Write the source of a map small below its axes, whose layout is settled; it hides nothing."""
-    labels = ax.xaxis.get_tightbbox()
-    assert labels is not None
-    down = (labels.y0 - ax.get_window_extent().y0) * 72 / ax.figure.dpi
-    ax.annotate(
-        _folded_source(ax, text, 1.0),
-        xy=(1, 0),
-        xycoords="axes fraction",
-        xytext=(0, down - 2),
-        textcoords="offset points",
-        fontsize=_SOURCE_SIZE,
-        color="#404040",
-        ha="right",
-        va="top",
-    )
 
 
 def _is_wide(ax: Axes) -> bool:
@@ -181,40 +170,29 @@ def _shore_edges(grid: GridMap) -> NDArray[np.float64]:
     return edges + np.asarray(grid.origin)
 
 
-def _draw_scale(ax: Axes, grid: GridMap) -> None:
+def _draw_scale(ax: Axes, down: float) -> None:
+    """Draw a bar of a round length, so many points below the axes and beside the arrow."""
     west, east = ax.get_xlim()
     length = _round_length(0.25 * (east - west))
-    text = f"{length / 1000:g} km" if length >= 1000 else f"{length:g} m"
+    corner = _shifted(ax, _BESIDE, down)
     bar = AnchoredSizeBar(
         ax.transData,
         length,
-        text,
-        _corner_of_land(ax, grid),
-        pad=0.4,
-        borderpad=0.8,
-        sep=3,
-        frameon=True,
+        f"{length / 1000:g} km" if length >= 1000 else f"{length:g} m",
+        "upper left",
+        pad=0.0,
+        borderpad=0.0,
+        sep=2,
+        frameon=False,
         size_vertical=0.0035 * (east - west),
         color=style.BLACK,
         fill_bar=True,
+        fontproperties=FontProperties(size=7.0),
+        bbox_to_anchor=(0.0, 0.0),
+        bbox_transform=corner,
     )
-    bar.patch.set(facecolor="white", alpha=0.75, edgecolor="none")
-    bar.set_zorder(4)
     ax.add_artist(bar)
-
-
-def _corner_of_land(ax: Axes, grid: GridMap) -> str:
-    """Return the western corner where a scale bar hides less water.
-
-    In some figures the source stands in the south-east; the arrow is in the north-east.
-    """
-    share = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
-    (west, east), (south, north) = ax.get_xlim(), ax.get_ylim()
-    x, y = west + share * (east - west), south + share * (north - south)
-    land = grid.is_blocked(np.stack(np.meshgrid(x, y), axis=-1))
-    tall, wide = _SAMPLES // 10, _SAMPLES // 3
-    lower, upper = land[:tall, :wide].mean(), land[-tall:, :wide].mean()
-    return "upper left" if upper > lower else "lower left"
+    bar.set_clip_on(False)  # the layout leaves room only for what is not clipped
 
 
 def _round_length(longest: float) -> float:
@@ -223,17 +201,23 @@ def _round_length(longest: float) -> float:
     return max(step * decade for step in (1, 2, 5) if step * decade <= longest)
 
 
-def _draw_north(fig: Figure, ax: Axes) -> None:
-    """Draw an arrow of one size, whatever the axes."""
-    tip = offset_copy(ax.transAxes, fig, -16, -8, units="points")
+def _draw_north(ax: Axes, down: float) -> None:
+    """Draw an arrow of one size below the western end of the axes, whatever their scale."""
+    foot, tip = _shifted(ax, 4.0, down - _ARROW), _shifted(ax, 4.0, down)
     ax.annotate(
         "N",
-        xy=(1, 1),
+        xy=(0, 0),
         xycoords=tip,
-        xytext=(0, -26),
-        textcoords="offset points",
+        xytext=(0, 0),
+        textcoords=foot,
+        fontsize=7.0,
         ha="center",
         va="center",
-        arrowprops={"arrowstyle": "-|>", "color": style.BLACK, "linewidth": 0.9},
-        zorder=4,
+        arrowprops={"arrowstyle": "-|>", "color": style.BLACK, "linewidth": 0.9, "shrinkA": 3.0},
+        annotation_clip=False,
     )
+
+
+def _shifted(ax: Axes, right: float, up: float) -> Transform:
+    """Places on axes as shares of their size, moved by so many points."""
+    return ax.transAxes + ScaledTranslation(right / 72, up / 72, ax.figure.dpi_scale_trans)

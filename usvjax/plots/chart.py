@@ -37,8 +37,8 @@ def plot_chart(
         trajectories: float[B, T, 2 or more]; the first two columns are (x, y) in m, NaN is
             padding.
         status: int[B], codes of `usvkernels.status.Status`.
-        max_paths: draw at most so many, spread evenly over the B given; the counts in the
-            legend are always of all episodes.
+        max_paths: draw at most so many, spread evenly over the B given. The legend has the
+            endings of those drawn, the title the others; counts are always of all episodes.
         sample_of: int[N], status of all the episodes that the B given are a sample of; None
             where these are all.
         view: (west, east, south, north), m: the part to show; None shows the whole map.
@@ -59,14 +59,40 @@ def plot_chart(
     if view is not None:
         view = inputs.check_view("view", view)
     fig, ax = base_map.new_sheet(grid_map, view)
-    drawn = np.unique(np.linspace(0, len(codes) - 1, min(max_paths, len(codes))).astype(int))
+    sample = np.unique(np.linspace(0, len(codes) - 1, min(max_paths, len(codes))).astype(int))
     every = codes if sample_of is None else _codes("sample_of", sample_of)
-    handles = _draw_tracks(ax, tracks, codes, drawn, every)
-    note = f"{len(drawn):,} of {len(every):,} episodes drawn"
-    ax.set_title(style.folded(f"{title}: {note}" if title else note, 95))
+    lines = [clean_track(tracks[i], f"{i}") for i in sample]
+    seen = [i for i, line in enumerate(lines) if _is_seen(line, view or grid_map.extent)]
+    shown = codes[sample][seen]
+    handles = _draw_tracks(ax, [lines[i] for i in seen], shown, every)
+    ax.set_title(_title(title, shown, every))
     style.outside_legend(fig, handles, columns=len(handles))
     source = grid_map.attribution if attribution is None else attribution
-    return base_map.finish_sheet(fig, ax, grid_map, source)
+    return base_map.finish_sheet(fig, ax, source)
+
+
+def _is_seen(line: NDArray[np.float64], view: base_map.View) -> bool:
+    """Whether any place of a line lies in a view."""
+    west, east, south, north = view
+    x, y = line.T
+    return bool(((x >= west) & (x <= east) & (y >= south) & (y <= north)).any())
+
+
+def _title(title: str | None, shown: NDArray[np.int64], every: NDArray[np.int64]) -> str:
+    """How many are drawn, and how often the endings came that are not among these."""
+    note = f"{len(shown):,} of {len(every):,} episodes drawn, marks where they ended; counts of all"
+    lines = [*([style.folded(title, 95)] if title else []), note]
+    missing = [s for s in STATUS_ORDER if s in every and s not in shown]
+    if missing:
+        lines.append(f"not among these: {', '.join(_how_often(s, every) for s in missing)}")
+    return "\n".join(lines)
+
+
+def _how_often(status: int, every: NDArray[np.int64]) -> str:
+    """How often an ending came, in words."""
+    count = int((every == status).sum())
+    percent = 100 * count / len(every)
+    return f"{style.STATUS_LABEL[status]} {count:,} ({percent:.{1 if percent >= 1 else 2}f} %)"
 
 
 def _check(
@@ -126,28 +152,24 @@ def detail(
 
 def _draw_tracks(
     ax: Axes,
-    tracks: NDArray[np.float64],
+    lines: list[NDArray[np.float64]],
     codes: NDArray[np.int64],
-    drawn: NDArray[np.int64],
     every: NDArray[np.int64],
 ) -> list[Line2D]:
-    """Draw tracks; the legend tells how often each ending came among `every` episode."""
+    """Draw tracks; the legend tells how often their endings came among `every` episode."""
     handles = []
     for status in STATUS_ORDER:
-        count = int((every == status).sum())
-        if count == 0:
+        mine = [line for line, code in zip(lines, codes, strict=True) if code == status]
+        if not mine:
             continue
-        mine = drawn[codes[drawn] == status]
         colour, marker = style.STATUS_COLOUR[status], style.STATUS_MARKER[status]
-        lines = [clean_track(tracks[i], f"{i}") for i in mine]
         # Failures are what the eye should find: above the others, and larger.
         failed = status != Status.REACHED
         layer, size = (2.5, 3.2) if failed else (2.0, 2.0)
-        paths = LineCollection(lines, colors=colour, linewidths=0.8, alpha=0.75, zorder=layer)
+        paths = LineCollection(mine, colors=colour, linewidths=0.8, alpha=0.75, zorder=layer)
         ax.add_collection(paths)
-        ends = np.array([line[-1] for line in lines]).reshape(-1, 2)
+        ends = np.array([line[-1] for line in mine])
         ax.plot(*ends.T, marker, color=colour, markersize=size, zorder=layer + 0.1)
-        share = 100 * count / len(every)
-        label = f"{style.STATUS_LABEL[status]} {count:,} ({share:.1f} %)"
+        label = _how_often(status, every)
         handles.append(Line2D([], [], color=colour, marker=marker, markersize=4, label=label))
     return handles

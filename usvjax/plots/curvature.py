@@ -43,12 +43,14 @@ class Bends:
             these are samples of a smooth curve.
         left: float[k], where a smooth curve has corners that could not be rounded, which no
             vessel sails; m from the start.
+        length: of the route, m; None takes the furthest of the others.
     """
 
     distance: FloatArray
     curvature: FloatArray
     at_corners: bool
     left: FloatArray = field(default_factory=lambda: np.zeros(0))
+    length: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("distance", "curvature", "left"):
@@ -59,6 +61,14 @@ class Bends:
             )
         if not isinstance(self.at_corners, bool):
             raise BadTypeError(f"at_corners: got {shown(self.at_corners)}; wanted True or False")
+        if self.length is not None:
+            inputs.metres("length", self.length)
+
+    @property
+    def end(self) -> float:
+        """How far the route goes, m: its length, or what is known to be further."""
+        known = (self.distance.max(initial=0.0), self.left.max(initial=0.0), self.length or 0.0)
+        return float(max(known))
 
 
 @public()
@@ -88,7 +98,9 @@ def bends_of(
             raise BadInputError(f"curvature has {len(values)} values; {len(line)} were wanted")
         corners = np.zeros((0, 2)) if left is None else clean_points(left, "left")
         places = _along(line, distance, corners)
-        return Bends(distance, values[: len(line)], at_corners=False, left=places)
+        return Bends(
+            distance, values[: len(line)], at_corners=False, left=places, length=length.sum()
+        )
     moved = length > 0
     step, length, distance = step[moved], length[moved], np.cumsum(length[moved])
     course = np.arctan2(step[:, 1], step[:, 0])
@@ -96,7 +108,7 @@ def bends_of(
     bent = np.abs(turn) > _STRAIGHT_ON
     mean = (length[1:] + length[:-1]) / 2
     values = 2 * np.sin(turn[bent] / 2) / mean[bent]
-    return Bends(distance[:-1][bent], values, at_corners=True)
+    return Bends(distance[:-1][bent], values, at_corners=True, length=length.sum())
 
 
 def _along(line: FloatArray, distance: FloatArray, places: FloatArray) -> FloatArray:
@@ -111,6 +123,8 @@ def plot_curvature(
     routes: Mapping[str, Bends], turning_radius: float, *, title: str | None = None
 ) -> Figure:
     """Draw the curvature along routes, one above the other, with the bounds +-1/R.
+
+    All axes go to the end of the longest route; the line of no curvature ends with its route.
 
     Args:
         routes: name to how the route bends. Corners are drawn as stems, since a corner's
@@ -134,7 +148,7 @@ def plot_curvature(
     inputs.titles(title=title)
     fig = style.new_figure(style.DOUBLE_MM, 28 + 34 * len(routes))
     axes = fig.subplots(len(routes), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
-    longest = max(float(b.distance.max(initial=0.0)) for b in routes.values())
+    longest = max(bends.end for bends in routes.values())
     scale, unit = (1000.0, "km") if longest >= 5000 else (1.0, "m")
     bound = 1.0 / turning_radius
     largest = {n: float(np.abs(b.curvature).max(initial=0.0)) for n, b in routes.items()}
@@ -149,7 +163,9 @@ def plot_curvature(
         what = "discrete curvature of corners" if bends.at_corners else "curvature"
         words = f"{name}: {what} up to {largest[name] / bound:.2f} / R"
         ax.set_title(words + _left_words(len(bends.left)), loc="right")
-    axes[-1].set(xlabel=f"distance along the route ({unit})", xlim=(0, longest / scale))
+    axes[-1].set(
+        xlabel=f"distance along the route ({unit})", xlim=(0, 1.01 * longest / scale or 1.0)
+    )
     if title:
         fig.suptitle(style.folded(title, 95))
     label = f"bounds of a turning radius R = {turning_radius:g} m"
@@ -161,7 +177,7 @@ def plot_curvature(
 
 
 def _draw_bends(ax: Axes, bends: Bends, scale: float, colour: str) -> None:
-    ax.axhline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
+    ax.plot([0.0, bends.end / scale], [0.0, 0.0], color=style.GREY, linewidth=1.0, zorder=1)
     along = bends.distance / scale
     if bends.at_corners:
         ax.vlines(along, 0.0, bends.curvature, colors=colour, linewidth=1.0, zorder=3)

@@ -7,7 +7,6 @@ import polars as pl
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 from numpy.typing import NDArray
 
@@ -25,6 +24,7 @@ AXIS_LABELS: dict[str, str] = {
 MOST_ECDF_COLUMNS = 4
 """With more conditions than this, boxes side by side read better than curves."""
 BOX_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+BOXES = "boxes: quartiles and median, whiskers: 5th to 95th percentile"
 
 _NEEDED = {
     "job": "number of the episode",
@@ -109,7 +109,7 @@ def plot_distributions(
     else:
         ticks = {c: f"{names[c]}, n={reached:,}/{run:,}" for c, (reached, run) in counts.items()}
         fig, handles = _box_rows(kept, ticks, metrics, methods)
-        caption += "\n(boxes: quartiles and median, whiskers: 5th to 95th percentile)"
+        caption += f"\n({BOXES})"
     fig.suptitle(caption)
     style.outside_legend(fig, handles, columns=len(handles))
     return style.settle(fig)
@@ -193,41 +193,43 @@ def _box_rows(
                 (place + shift, _values(table, condition, method, metric))
                 for place, condition in enumerate(titles)
             ]
-            draw_boxes(ax, [b for b in boxes if len(b[1])], 0.85 * width, looks[method][0])
+            draw_boxes(ax, [b for b in boxes if len(b[1])], 0.85 * width, looks[method])
         ax.set_ylabel(AXIS_LABELS.get(metric, metric))
         ax.grid(visible=False, axis="x")
     names, how = style.tick_names(list(titles.values()), room=120)
     axes[-1].set_xticks(range(len(titles)), names, **how)
-    handles: list[Artist] = [
-        Patch(facecolor=looks[m][0], edgecolor=style.BLACK, label=m) for m in methods
-    ]
+    handles: list[Artist] = [style.box_handle(looks[m], m) for m in methods]
     return fig, handles
 
 
 def draw_boxes(
-    ax: Axes, samples: Sequence[tuple[float, NDArray[np.float64]]], width: float, colour: str
+    ax: Axes, samples: Sequence[tuple[float, NDArray[np.float64]]], width: float, look: style.Look
 ) -> None:
     """Draw boxes: quartiles and median, whiskers from the 5th to the 95th percentile.
+
+    The method's mark is at the median, so that boxes can be told apart in grey.
 
     Args:
         ax: axes to draw on.
         samples: place on x and values of each, at least one; none draws nothing.
         width: of a box.
-        colour: its filling.
+        look: of the method.
     """
     if not samples:
         return
     keys = ("whislo", "q1", "med", "q3", "whishi")
+    places = [place for place, _ in samples]
     stats = [dict(zip(keys, np.quantile(x, BOX_QUANTILES), strict=True)) for _, x in samples]
     ax.bxp(
         stats,
-        positions=[place for place, _ in samples],
+        positions=places,
         widths=width,
         showfliers=False,
         patch_artist=True,
         manage_ticks=False,
-        boxprops={"facecolor": colour, "linewidth": 0.6},
+        boxprops={"facecolor": look.fill, "linewidth": 0.6},
         medianprops={"color": style.BLACK, "linewidth": 1.2},
         whiskerprops={"linewidth": 0.6},
         capprops={"linewidth": 0.6},
     )
+    ax.plot(places, [one["med"] for one in stats], linestyle="", zorder=3, **look.mark)

@@ -12,9 +12,11 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from usvjax.errors import BadInputError
+from usvjax.pictures import check_dpi, check_suffix
 from usvjax.plots import style
 
 SUFFIXES = (".gif", ".mp4")
+DPI = 110
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ def write_film(
     *,
     max_frames: int = 120,
     fps: int = 12,
-    dpi: int = 110,
+    dpi: int = DPI,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Write a film as GIF or MP4, whole or not at all.
@@ -48,15 +50,15 @@ def write_film(
         path: file to write: .gif, or .mp4 where ffmpeg is installed.
         max_frames: frames at most; steps between them are skipped evenly.
         fps: frames per second.
-        dpi: dots per inch.
+        dpi: dots per inch, 20 to 1200.
         progress: called with (frames done, frames in all) after every frame.
 
     Returns:
         The path written.
 
     Raises:
-        BadInputError: another suffix, no ffmpeg for an .mp4, max_frames, fps or dpi below 1,
-            or a place that cannot be written.
+        BadInputError: another suffix, no ffmpeg for an .mp4, max_frames or fps below 1, another
+            dpi, or a place that cannot be written.
     """
     target = Path(path)
     check_animation(target, max_frames=max_frames, fps=fps, dpi=dpi)
@@ -74,10 +76,11 @@ def write_film(
     return style.write_atomically(target, lambda file: write(film.fig, frames(), file, fps))
 
 
-def check_animation(path: Path, *, max_frames: int, fps: int, dpi: int = 110) -> None:
+def check_animation(path: Path, *, max_frames: int, fps: int, dpi: int = DPI) -> None:
     """Raise BadInputError, before anything is computed, for what `write_film` refuses."""
-    style.check_suffix(path, SUFFIXES)
-    for name, value in (("max_frames", max_frames), ("fps", fps), ("dpi", dpi)):
+    check_suffix(path, SUFFIXES)
+    check_dpi("dpi", dpi)
+    for name, value in (("max_frames", max_frames), ("fps", fps)):
         if value < 1:
             raise BadInputError(f"{name} is {value}; at least 1 was wanted")
     if path.suffix.lower() == ".mp4" and not FFMpegWriter.isAvailable():

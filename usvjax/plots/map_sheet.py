@@ -24,12 +24,14 @@ def plot_map(grid_map: GridMap, *, title: str | None = None) -> Figure:
     inputs.titles(title=title)
     fig, ax = base_map.new_sheet(grid_map)
     ax.set_title(style.folded(_title_of(grid_map) if title is None else title, 95))
+    kinds = (("water (free)", style.WATER, False), ("land (blocked)", style.LAND, True))
     handles = [
-        Patch(facecolor=style.WATER, edgecolor=style.SHORE, label="water (free)"),
-        Patch(facecolor=style.LAND, edgecolor=style.SHORE, label="land (blocked)"),
+        Patch(facecolor=fill, edgecolor=style.SHORE, label=label)
+        for label, fill, blocked in kinds
+        if (grid_map.blocked == blocked).any()
     ]
     style.outside_legend(fig, handles, columns=2)
-    return base_map.finish_sheet(fig, ax, grid_map, grid_map.attribution)
+    return base_map.finish_sheet(fig, ax, grid_map.attribution)
 
 
 def _title_of(grid: GridMap) -> str:

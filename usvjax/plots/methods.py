@@ -7,13 +7,12 @@ import numpy as np
 import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from usvjax.errors import BadInputError
 from usvjax.mission import MOST_CONDITIONS
 from usvjax.plots import inputs, style
-from usvjax.plots.distributions import both_reached, draw_boxes
+from usvjax.plots.distributions import BOXES, both_reached, draw_boxes
 from usvjax.statistics import wilson
 from usvkernels.status import Status
 
@@ -113,7 +112,7 @@ def plot_methods(
                 for condition in conditions
             ]
             filled = [(x, values) for x, values in samples if len(values)]
-            draw_boxes(ax, filled, 0.68 / len(methods), _fill(looks[method]))
+            draw_boxes(ax, filled, 0.68 / len(methods), looks[method])
         ax.set(ylabel=words, yscale="log" if logarithmic else "linear")
         if logarithmic:
             style.plain_powers(ax.yaxis)
@@ -133,9 +132,7 @@ def plot_methods(
         ax.grid(visible=False, axis="x")
     fig.suptitle(_caption(title, kept, table, compared.what, alone))
     if not alone:
-        handles = [
-            Patch(facecolor=_fill(looks[m]), edgecolor=style.BLACK, label=m) for m in methods
-        ]
+        handles = [style.box_handle(looks[m], m) for m in methods]
         style.outside_legend(fig, handles, columns=min(len(handles), 5))
     return style.settle(fig)
 
@@ -149,11 +146,6 @@ def _places(conditions: Sequence[int], methods: Sequence[str]) -> dict[tuple[int
     }
 
 
-def _fill(look: style.Look) -> str:
-    """Black boxes would hide their medians."""
-    return style.GREY if look.colour == style.BLACK else look.colour
-
-
 def _caption(
     title: str | None, kept: pl.DataFrame, table: pl.DataFrame, what: str, alone: bool
 ) -> str:
@@ -162,8 +154,8 @@ def _caption(
     total = max(part["job"].n_unique() for part in table.partition_by("condition"))
     if alone:
         n = kept["job"].n_unique()
-        return f"{head}boxes over the {n:,} of {total:,} {what}"
-    return f"{head}boxes over the n of {total:,} {what}"
+        return f"{head}boxes over the {n:,} of {total:,} {what}\n({BOXES})"
+    return f"{head}boxes over the n of {total:,} {what}\n({BOXES})"
 
 
 def _values(table: pl.DataFrame, condition: int, method: str, column: str) -> NDArray[np.float64]:

@@ -108,10 +108,11 @@ def plot_overview(
     values = {c: {key: one.get(key) for key in keys} for c, one in values.items()}
     names = {key: _named(key, units.get(key)) for key in keys}
     bars = f"bars: {100 * confidence:.4g} % Wilson intervals"
-    if len(keys) == 1 and _are_crossed(values, keys):
+    crossed = _are_crossed(values, keys)
+    if len(keys) == 1 and crossed:
         fig = _lines(rates, [values[c][keys[0]] for c in rates.conditions], confidence)
         fig.axes[0].set(xlabel=names[keys[0]], ylabel=f"{words} (%)")
-    elif len(keys) == 2 and _are_crossed(values, keys):
+    elif len(keys) == 2 and crossed:
         fig, bars = _heat(rates, values, keys, names, words), "darker is less"
     else:
         fig = _ranked(rates, labels, confidence)
@@ -123,9 +124,10 @@ def plot_overview(
     head = f"{title}: " if title else ""
     count = f"{len(rates.conditions):,} conditions of {each} episodes"
     fig.suptitle(f"{head}{words} in {count}\n({bars})")
-    if len(keys) != 2 or not _are_crossed(values, keys):
+    if len(keys) != 2 or not crossed:
         looks = style.method_looks(methods)
-        handles = [style.method_handle(look, name) for name, look in looks.items()]
+        joined = len(keys) == 1 and crossed
+        handles = [style.method_handle(look, n, joined=joined) for n, look in looks.items()]
         style.outside_legend(fig, handles, columns=min(len(handles), 5))
     return style.settle(fig)
 

@@ -263,7 +263,8 @@ def draw_ends(
             zorder=2,
         )
         ax.add_collection(ring)
-    marks = (("start", "o", 5.5, "white", start), ("goal", "*", 9.0, style.YELLOW, goal))
+    name = "goal" if goal_tolerance is None else f"goal, reached within {goal_tolerance:g} m"
+    marks = (("start", "o", 5.5, "white", start), (name, "*", 9.0, style.YELLOW, goal))
     handles = []
     for label, marker, size_pt, fill, point in marks:
         (mark,) = ax.plot(

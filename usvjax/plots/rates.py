@@ -159,8 +159,10 @@ def plot_success(
     bars = f"bars: {100 * confidence:.4g} % Wilson intervals"
     fig.suptitle(f"{head}endings of {episodes} episodes per point\n({bars})")
     looks = style.method_looks(shown)
-    handles = [style.method_handle(look, name) for name, look in looks.items()]
-    style.outside_legend(fig, handles, columns=len(handles))
+    handles = [
+        style.method_handle(look, name, joined=layout.joined) for name, look in looks.items()
+    ]
+    style.outside_legend(fig, handles, columns=min(len(handles), 5))
     return style.settle(fig)
 
 

@@ -16,6 +16,7 @@ from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
 from usvjax.plots import base_map, inputs, style
 from usvjax.plots.paths import clean_track, draw_ends
+from usvjax.plots.route_panels import MOST_TOGETHER, draw_panels
 from usvjax.public import public
 
 FloatArray = NDArray[np.float64]
@@ -46,11 +47,13 @@ def plot_routes(
 ) -> Figure:
     """Draw routes between the same two points on a chart, north up.
 
+    More than three have a small chart each, on which the others lie below in grey.
+
     Args:
         grid_map: the map; `blocked` cells are land.
         routes: name to float[P, 2 or more], whose first two columns are (x, y) in m; rows with
             NaN are padding. Names of methods have their own colour and line in every figure.
-            Later ones lie above earlier ones.
+            Of up to three, later ones lie above earlier ones.
         labels: name to what the legend says; by default the name and the length. It also says
             which routes are the same.
         view: (west, east, south, north), m; by default the part around the routes.
@@ -80,42 +83,70 @@ def plot_routes(
     if view is None:
         view = view_around(grid_map, list(lines.values()))
     view = inputs.check_view("view", view)
-    if closeup is None:
-        fig, ax = base_map.new_sheet(grid_map, view)
-    else:
+    views = [view]
+    if closeup is not None:
         near = busiest(next(iter(lines.values())), closeup)
-        fig, ax = _two_sheets(grid_map, view, inputs.check_view("closeup", near))
-    handles: list[Line2D] = []
-    for axes in fig.axes:
-        handles = _draw_routes(axes, lines, labels)
-    if closeup is not None and turning_radius is not None:
-        handles.append(_draw_circle(fig.axes[1], turning_radius))
+        views.append(inputs.check_view("closeup", near))
+    captions = ["", *(f"framed part, {_width_words(v[1] - v[0])} wide" for v in views[1:])]
+    draw = draw_panels if len(lines) > MOST_TOGETHER else _draw_together
+    fig, blocks, handles = draw(grid_map, lines, views, captions)
+    handles += _handles(lines, labels)
+    for ax in blocks[0] if views[1:] else ():
+        _draw_frame(ax, views[1])
+    if views[1:] and turning_radius is not None:
+        handles += [_draw_circle(ax, turning_radius, list(lines.values())) for ax in blocks[1]][:1]
     if title:
         fig.suptitle(style.folded(title, 95))
     columns = 3 if max(len(str(h.get_label())) for h in handles) < 36 else 2
     style.outside_legend(fig, handles, columns=columns)
-    return base_map.finish_sheet(fig, ax, grid_map, grid_map.attribution)
+    style.settle(fig)
+    lowest = max(blocks[0], key=lambda ax: (-ax.get_window_extent().y0, -ax.get_window_extent().x0))
+    base_map.write_below(lowest, grid_map.attribution)
+    return style.settle(fig)
 
 
-def _draw_routes(
-    ax: Axes, lines: Mapping[str, FloatArray], labels: Mapping[str, str]
-) -> list[Line2D]:
-    """Draw all routes and their ends; return the legend's handles."""
-    looks = style.method_looks(lines)
+def _handles(lines: Mapping[str, FloatArray], labels: Mapping[str, str]) -> list[Line2D]:
+    """Handles of the legend: the routes, and which of them are the same."""
     firsts = _first_of_same(lines)
     handles = []
-    for layer, (name, line) in enumerate(lines.items()):
-        colour, dashes, _ = looks[name]
-        # Of routes that are the same, those below show beside those above.
-        above = sum(firsts[other] == firsts[name] for other in list(lines)[layer + 1 :])
-        width = _WIDTH + _WIDER * above
-        ax.plot(*line.T, color=colour, linestyle=dashes, linewidth=width, zorder=3 + 0.01 * layer)
-        label = labels.get(name) or f"{name}: {length_words(length_of(line))}"
+    for name, look in style.method_looks(lines).items():
+        label = labels.get(name) or f"{name}: {length_words(length_of(lines[name]))}"
         if firsts[name] != name:
             label += f" (same as {firsts[name]})"
-        handles.append(Line2D([], [], color=colour, linestyle=dashes, label=label))
-    first = next(iter(lines.values()))
-    return [*draw_ends(ax, first[0], first[-1], None), *handles]
+        handles.append(Line2D([], [], color=look.colour, linestyle=look.line, label=label))
+    return handles
+
+
+def _draw_together(
+    grid_map: GridMap,
+    lines: Mapping[str, FloatArray],
+    views: Sequence[base_map.View],
+    captions: Sequence[str],
+) -> tuple[Figure, list[list[Axes]], list[Line2D]]:
+    """Draw all routes on one chart for each view; what it returns is as from `draw_panels`."""
+    if len(views) == 1:
+        fig, ax = base_map.new_sheet(grid_map, views[0])
+        axes: Sequence[Axes] = [ax]
+    else:
+        fig, axes = _two_sheets(grid_map, views)
+    handles: list[Line2D] = []
+    for ax, caption in zip(axes, captions, strict=True):
+        base_map.label_axes(ax)
+        ax.set(title=caption, **({"ylabel": ""} if ax is not axes[0] else {}))
+        _draw_routes(ax, lines)
+        first = next(iter(lines.values()))
+        handles = draw_ends(ax, first[0], first[-1], None)
+    return fig, [[ax] for ax in axes], handles
+
+
+def _draw_routes(ax: Axes, lines: Mapping[str, FloatArray]) -> None:
+    """Draw routes one above the other."""
+    looks, firsts = style.method_looks(lines), _first_of_same(lines)
+    for layer, (name, line) in enumerate(lines.items()):
+        # Of routes that are the same, those below show beside those above.
+        above = sum(firsts[other] == firsts[name] for other in list(lines)[layer + 1 :])
+        look: dict[str, Any] = {"color": looks[name].colour, "linestyle": looks[name].line}
+        ax.plot(*line.T, linewidth=_WIDTH + _WIDER * above, zorder=3 + 0.01 * layer, **look)
 
 
 def _first_of_same(lines: Mapping[str, FloatArray]) -> dict[str, str]:
@@ -127,31 +158,47 @@ def _first_of_same(lines: Mapping[str, FloatArray]) -> dict[str, str]:
     }
 
 
-def _two_sheets(grid_map: GridMap, view: base_map.View, near: base_map.View) -> tuple[Figure, Axes]:
+def _two_sheets(grid_map: GridMap, views: Sequence[base_map.View]) -> tuple[Figure, Sequence[Axes]]:
     """Make a figure with a chart on the left and, from it, a close-up on the right."""
-    west, east, south, north = view
+    west, east, south, north = views[0]
     shape = min(max((north - south) / (east - west), 0.4), 1.6)
     wide = min(max(1.0 / shape, 0.6), 1.6)
-    fig = style.new_figure(style.DOUBLE_MM, style.DOUBLE_MM / (1.05 + wide) + 24)
-    ax, closer = fig.subplots(1, 2, width_ratios=(wide, 1.0))
-    for axes, (left, right, bottom, top) in ((ax, view), (closer, near)):
-        base_map.paint_map(axes, grid_map)
-        axes.set(xlim=(left, right), ylim=(bottom, top))
-    frame = Rectangle(near[::2], near[1] - near[0], near[3] - near[2], fill=False)
+    fig = style.new_figure(style.DOUBLE_MM, style.DOUBLE_MM / (1.05 + wide) + 28)
+    axes: Sequence[Axes] = fig.subplots(1, 2, width_ratios=(wide, 1.0))
+    for ax, (left, right, bottom, top) in zip(axes, views, strict=True):
+        base_map.paint_map(ax, grid_map)
+        ax.set(xlim=(left, right), ylim=(bottom, top))
+    return fig, axes
+
+
+def _draw_frame(ax: Axes, view: base_map.View) -> None:
+    """Frame the part of a chart that another one shows."""
+    frame = Rectangle(view[::2], view[1] - view[0], view[3] - view[2], fill=False)
     frame.set(edgecolor=style.BLACK, linewidth=0.8, zorder=4)
     ax.add_patch(frame)
-    base_map.label_axes(closer)
-    closer.set(ylabel="", title=f"framed part, {_width_words(near[1] - near[0])} wide")
-    return fig, ax
 
 
-def _draw_circle(ax: Axes, radius: float) -> Line2D:
-    """Draw the turning circle into the corner of a close-up; return the legend's handle."""
-    west, south = ax.get_xlim()[0], ax.get_ylim()[0]
+def _draw_circle(ax: Axes, radius: float, lines: Sequence[FloatArray]) -> Line2D:
+    """Draw the turning circle into the corner where it is furthest from all lines.
+
+    Returns:
+        The legend's handle.
+    """
+    (west, east), (south, north) = ax.get_xlim(), ax.get_ylim()
+    away = 1.3 * radius
+    corners = [(x, y) for x in (west + away, east - away) for y in (south + away, north - away)]
+    middle = max(corners, key=lambda corner: min(_gap(line, corner) for line in lines))
     look: dict[str, Any] = {"color": style.BLACK, "linewidth": 0.9, "linestyle": ":"}
-    ring = Circle((west + 1.3 * radius, south + 1.3 * radius), radius, fill=False, zorder=4, **look)
-    ax.add_patch(ring)
+    ax.add_patch(Circle(middle, radius, fill=False, zorder=4, **look))
     return Line2D([], [], label=f"turning circle, R = {radius:g} m", **look)
+
+
+def _gap(line: FloatArray, place: tuple[float, float]) -> float:
+    """Least distance of a place from a line, m."""
+    start, step = line[:-1], np.diff(line, axis=0)
+    size = np.maximum((step**2).sum(axis=1), 1e-12)
+    share = np.clip(((place - start) * step).sum(axis=1) / size, 0.0, 1.0)
+    return float(np.hypot(*(start + share[:, None] * step - place).T).min())
 
 
 def closeup_width(
@@ -246,7 +293,7 @@ def plot_route_chart(
     if title:
         ax.set_title(style.folded(title, 95))
     style.outside_legend(fig, handles, columns=len(handles))
-    return base_map.finish_sheet(fig, ax, grid_map, grid_map.attribution)
+    return base_map.finish_sheet(fig, ax, grid_map.attribution)
 
 
 def view_around(grid_map: GridMap, lines: Sequence[FloatArray]) -> base_map.View:

@@ -20,8 +20,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatter
 
-from usvjax.checks import file_path, shown
+from usvjax.checks import file_path, one_of, shown
 from usvjax.errors import BadInputError
+from usvjax.pictures import DPI, FORMATS, SUFFIXES, check_dpi, check_suffix
 from usvjax.public import public
 from usvkernels.status import Status
 
@@ -31,8 +32,6 @@ GREY, LIGHT_GREY = "#8C8C8C", "#D9D9D9"
 LAND, WATER, SHORE = "#E9E2D0", "#CBE3F2", "#8A8168"
 
 SINGLE_MM, DOUBLE_MM = 85.0, 170.0
-DPI, LEAST_DPI, MOST_DPI = 200, 20, 1200
-FORMATS = (".png", ".pdf", ".svg")
 
 _RC: dict[str, Any] = {
     "font.size": 8.0,
@@ -53,7 +52,7 @@ _RC: dict[str, Any] = {
     "lines.linewidth": 1.4,
     "text.parse_math": False,  # a user's label may hold dollar signs
     "pdf.fonttype": 42,  # embed TrueType: text in the PDF stays text
-    "svg.fonttype": "none",
+    "svg.fonttype": "path",  # the same on a machine without our fonts
     "svg.hashsalt": "usvjax",  # the same figure gives the same bytes
 }
 
@@ -103,6 +102,18 @@ class Look(NamedTuple):
     marker: str
 
     @property
+    def fill(self) -> str:
+        """Filling of a box; a black one would hide its median."""
+        return GREY if self.colour == BLACK else self.colour
+
+    @property
+    def mark(self) -> dict[str, Any]:
+        """How its marker looks on a box of its colour, which alone would not do in grey."""
+        size = 5.0 if self.marker == "*" else 3.2
+        edge = {"markeredgecolor": BLACK, "markeredgewidth": 0.5}
+        return {"marker": self.marker, "markersize": size, "markerfacecolor": "white", **edge}
+
+    @property
     def zorder(self) -> float:
         """Broken lines lie above solid ones, which show through the gaps."""
         return 3.0 if self.line == "-" else 3.1
@@ -145,10 +156,16 @@ def method_looks(methods: Iterable[str]) -> dict[str, Look]:
     return {name: _METHODS.get(name) or looks[name] for name in names}
 
 
-def method_handle(look: Look, label: str) -> Line2D:
-    """Return the legend handle of a method: line and marker."""
-    colour, line, marker = look
-    return Line2D([], [], color=colour, linestyle=line, marker=marker, markersize=4, label=label)
+def method_handle(look: Look, label: str, *, joined: bool = True) -> Line2D:
+    """Return the legend handle of a method: its marker, on its line where its marks are joined."""
+    line = look.line if joined else ""
+    marks: dict[str, Any] = {"marker": look.marker, "markersize": 4}
+    return Line2D([], [], color=look.colour, linestyle=line, label=label, **marks)
+
+
+def box_handle(look: Look, label: str) -> Line2D:
+    """Return the legend handle of a method that is drawn as boxes: their filling and its mark."""
+    return Line2D([], [], color=look.fill, linewidth=7, label=label, **look.mark)
 
 
 def ordered_methods(methods: Iterable[str]) -> list[str]:
@@ -286,37 +303,35 @@ def write_atomically(path: Path, write: Callable[[Path], object]) -> Path:
 
 
 @public()
-def save(fig: Figure, path: str | Path, *, dpi: int = DPI) -> Path:
-    """Write a figure, whole or not at all.
+def save(fig: Figure, path: str | Path, *, format: str | None = None, dpi: int = DPI) -> Path:
+    """Write a figure, whole or not at all; the same figure gives the same bytes.
 
     Args:
         fig: any figure of this package.
-        path: file to write; its suffix (.png, .pdf or .svg) chooses the format.
-        dpi: dots per inch of a PNG, 20 to 1200.
+        path: file to write.
+        format: "png", "pdf" or "svg", whose suffix takes the place of one of these three that
+            `path` may have; None takes the format from the suffix of `path`.
+        dpi: dots per inch of a PNG, 20 to 1200; the others are drawn in lines and text.
 
     Returns:
         The path written.
 
     Raises:
-        BadInputError: another suffix or dpi, or a place that cannot be
-            written.
+        BadInputError: another format, suffix or dpi, or a place that cannot be written.
     """
     target = file_path("path", path)
-    check_suffix(target, FORMATS)
-    if not LEAST_DPI <= dpi <= MOST_DPI:
-        raise BadInputError(f"dpi is {shown(dpi)}; {LEAST_DPI} to {MOST_DPI} was wanted")
+    if format is not None:
+        one_of("format", format, FORMATS)
+        stem = target.stem if target.suffix.lower() in SUFFIXES else target.name
+        target = target.with_name(f"{stem}.{format}")
+    check_suffix(target)
+    check_dpi("dpi", dpi)
     # Without dates the same data gives the same file.
-    metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(target.suffix, {})
+    undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
+    metadata = undated.get(target.suffix.lower(), {})
 
     def write(temporary: Path) -> None:
         with mpl.rc_context(_RC):  # type: ignore[arg-type]
             fig.savefig(temporary, dpi=dpi, metadata=metadata)
 
     return write_atomically(target, write)
-
-
-def check_suffix(path: Path, allowed: tuple[str, ...]) -> None:
-    """Raise BadInputError unless the file name ends in one of `allowed`."""
-    if path.suffix.lower() not in allowed:
-        wanted = ", ".join(allowed)
-        raise BadInputError(f"{path}: suffix {shown(path.suffix)} is not one of {wanted}")

@@ -78,9 +78,11 @@ def track_film(
 
     show(0)
     # One layout for all frames: quicker, and the axes stand still.
-    style.settle(fig).set_layout_engine("none")
-    if grid_map is not None:
-        base_map.draw_source(ax, grid_map.attribution)
+    if grid_map is None:
+        style.settle(fig)
+    else:
+        base_map.finish_sheet(fig, ax, grid_map.attribution)
+    fig.set_layout_engine("none")
     return Film(fig, len(places), show)
 
 
@@ -111,7 +113,6 @@ def _sheet(
     points = [p for p in points if len(p)]
     if grid_map is not None:
         fig, ax = base_map.new_sheet(grid_map, view_around(grid_map, points))
-        base_map.label_axes(ax)
         return fig, ax, []
     centres = np.empty((0, 2)) if circles is None else circles
     (west, east), (south, north) = view_limits(points, centres, radius)

@@ -8,6 +8,7 @@ import polars as pl
 
 from usvjax.errors import BadInputError
 from usvjax.mission import MOST_CONDITIONS
+from usvjax.pictures import DPI, check_pictures
 from usvjax.public import public
 from usvjax.study.finished import FIGURES, as_recorded, maker, record
 from usvjax.study.folder import check_no_link, in_one_line, json_bytes, write_plain
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FOLDER = "figures"
-FORMATS = (".png",)
+FORMATS = ("png",)
 MAX_EXAMPLES = 4
 MAX_PATHS = 200
 
@@ -30,6 +31,7 @@ def figures_for_run(
     run_dir: str | Path,
     *,
     formats: tuple[str, ...] = FORMATS,
+    dpi: int = DPI,
     max_examples: int = MAX_EXAMPLES,
     max_paths: int = MAX_PATHS,
     folder: Path | None = None,
@@ -39,7 +41,8 @@ def figures_for_run(
 
     Args:
         run_dir: directory that `usvjax study` wrote; the run may be unfinished.
-        formats: suffixes to write, of ".png", ".pdf" and ".svg"; tables are written as .csv.
+        formats: to write, of "png", "pdf" and "svg"; tables are written as .csv.
+        dpi: dots per inch of a PNG, 20 to 1200.
         max_examples: conditions to simulate again; 0 simulates nothing.
         max_paths: trajectories of a chart.
         folder: of the study; the working directory when None. Where it has all files that the
@@ -54,12 +57,7 @@ def figures_for_run(
             cannot be had back (see `usvjax.study.replay.Replay`), or the folder cannot be
             written. What was drawn before stays.
     """
-    from usvjax.plots import style
-
-    if not formats:
-        raise BadInputError("formats is empty; at least one of .png, .pdf, .svg was wanted")
-    for suffix in formats:
-        style.check_suffix(Path(f"figure{suffix}"), style.FORMATS)
+    check_pictures(formats, dpi)
     for name, value, least in (("max_examples", max_examples, 0), ("max_paths", max_paths, 1)):
         if value < least:
             raise BadInputError(f"{name} is {value}; at least {least} was wanted")
@@ -68,11 +66,11 @@ def figures_for_run(
     check_no_link(run.path / FOLDER)
     written = []
     for name, drawn in _drawn(run, replay):
-        for suffix in (".csv",) if isinstance(drawn, pl.DataFrame) else formats:
-            written.append(_saved(drawn, run.path / FOLDER / f"{name}{suffix}"))
+        for file in _saved(drawn, run.path / FOLDER / name, formats, dpi):
+            written.append(file)
             if on_written is not None:
-                on_written(written[-1])
-    _note(replay, written, _asked(formats, max_examples, max_paths))
+                on_written(file)
+    _note(replay, written, _asked(formats, dpi, max_examples, max_paths))
     return written
 
 
@@ -97,18 +95,20 @@ def _drawn(run: Run, replay: Replay) -> Iterator[tuple[str, "Figure | pl.DataFra
     yield from mission.figures(run, replay)
 
 
-def figures_as_drawn(run_dir: str | Path, folder: Path) -> list[Path] | None:
-    """The figures of a run, where `figures_for_run` by default would draw them just so again.
+def figures_as_drawn(
+    run_dir: str | Path, folder: Path, *, formats: tuple[str, ...] = FORMATS, dpi: int = DPI
+) -> list[Path] | None:
+    """The figures of a run, where `figures_for_run` would draw them just so again.
 
     Args:
-        run_dir, folder: as for `figures_for_run`.
+        run_dir, folder, formats, dpi: as for `figures_for_run`.
 
     Returns:
         The files; None where any is missing, or would be another now.
     """
     run = load_run(run_dir)
     replay = Replay(run, folder)
-    asked = _asked(FORMATS, MAX_EXAMPLES, MAX_PATHS)
+    asked = _asked(formats, dpi, MAX_EXAMPLES, MAX_PATHS)
     made = as_recorded(run.path, FIGURES, _maker(replay), _shards(run), **asked)
     return None if made is None else [run.path / name for name in made]
 
@@ -122,8 +122,13 @@ def _note(replay: Replay, written: list[Path], asked: dict[str, Any]) -> None:
         write_plain(run.path / FIGURES, content)
 
 
-def _asked(formats: tuple[str, ...], max_examples: int, max_paths: int) -> dict[str, Any]:
-    return {"formats": list(formats), "max_examples": max_examples, "max_paths": max_paths}
+def _asked(formats: tuple[str, ...], dpi: int, max_examples: int, max_paths: int) -> dict[str, Any]:
+    return {
+        "formats": list(formats),
+        "dpi": dpi,
+        "max_examples": max_examples,
+        "max_paths": max_paths,
+    }
 
 
 def _maker(replay: Replay) -> str:
@@ -134,10 +139,16 @@ def _shards(run: Run) -> list[Path]:
     return list(find_shards(run.path, Layout.of(run.manifest["study"])).values())
 
 
-def _saved(drawn: "Figure | pl.DataFrame", path: Path) -> Path:
+def _saved(
+    drawn: "Figure | pl.DataFrame", path: Path, formats: tuple[str, ...], dpi: int
+) -> Iterator[Path]:
+    """Write one figure in each format, or a table; `path` has no suffix."""
     from usvjax.plots import style
 
-    if isinstance(drawn, pl.DataFrame):
-        text = drawn.write_csv()
-        return style.write_atomically(path, lambda file: file.write_text(text, encoding="utf-8"))
-    return style.save(drawn, path)
+    if not isinstance(drawn, pl.DataFrame):
+        for name in formats:
+            yield style.save(drawn, path.with_name(f"{path.name}.{name}"), dpi=dpi)
+        return
+    text = drawn.write_csv()
+    target = path.with_name(f"{path.name}.csv")
+    yield style.write_atomically(target, lambda file: file.write_text(text, encoding="utf-8"))

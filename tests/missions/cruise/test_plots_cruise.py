@@ -6,6 +6,8 @@ from figure_checks import assert_inside, assert_labelled, lake, legend_texts, te
 
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.missions.cruise.chart import TOUR_ID, TRACK_ID, duration_words, plot_cruise
+from usvjax.plots import style
+from usvjax.plots.labels import LABEL_ID
 from usvjax.plots.route import length_words
 
 STATIONS = np.array([[3000.0, 4000], [8000.0, 7000], [3000.0, 7000], [8000.0, 4000]])
@@ -20,7 +22,7 @@ def line_of(ax, gid):
 
 
 def number_at(ax, place):
-    (text,) = [t.get_text() for t in ax.texts if t.get_position() == tuple(place)]
+    (text,) = [t.get_text() for t in ax.texts if t.get_gid() == LABEL_ID and t.xy == tuple(place)]
     return text
 
 
@@ -57,7 +59,7 @@ def test_stations_given_up_are_marked():
     assert "station given up" in legend_texts(fig)
     grey, white = (
         [line.get_xydata().tolist() for line in fig.axes[0].lines if _is_disc(line, colour)]
-        for colour in ("#D9D9D9", "white")
+        for colour in (style.GREY, "white")
     )
     assert grey == [[STATIONS[3].tolist()]]
     assert white == [STATIONS[[2, 1]].tolist()]

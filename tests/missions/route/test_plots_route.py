@@ -8,6 +8,7 @@ import numpy as np
 import polars as pl
 import pytest
 from figure_checks import assert_inside, assert_labelled, legend_texts, texts_of
+from figure_kinds import check_figure
 from PIL import Image
 
 from usvjax import plots
@@ -17,6 +18,7 @@ from usvjax.maps import GridMap, random_maps, save_map
 from usvjax.missions.route import expanded, replanning
 from usvjax.missions.route.figures import ROUTES
 from usvjax.plots import style
+from usvjax.plots.distributions import BOXES
 from usvjax.plots.film import write_film
 from usvjax.plots.methods import plot_methods
 from usvjax.plots.route import busiest, closeup_width, length_words, view_around
@@ -135,6 +137,26 @@ def test_many_routes_share_a_chart():
 def test_figures_refuse_what_they_cannot_draw(call, words):
     with pytest.raises(BadInputError, match=words):
         call()
+
+
+@pytest.mark.parametrize("wide", [False, True])
+def test_many_routes_have_a_chart_each(wide):
+    shift = np.array([[0.0, 10.0 * i] for i in range(5)])
+    flat = ROUTE * [1.0, 0.2] if wide else ROUTE
+    ways = {name: flat + shift[i] for i, name in enumerate(("a", "b", "astar", "c", "smoothed"))}
+    fig = plots.plot_routes(chart(), ways, closeup=60.0, turning_radius=10.0, title="Five")
+    whole, near = fig.axes[:5], fig.axes[5:]
+    assert len(near) == 5
+    for axes in (whole, near):
+        assert [ax.get_title() for ax in axes] == list(ways)
+        for ax, (name, way) in zip(axes, ways.items(), strict=True):
+            colour = style.method_looks(ways)[name].colour
+            (own,) = (x for x in ax.lines if x.get_color() == colour and len(x.get_xdata()) > 2)
+            np.testing.assert_array_equal(own.get_xydata(), way)
+            others = [x for x in ax.lines if x.get_color() == style.GREY]
+            assert len(others) == 4
+            assert own.get_zorder() > max(other.get_zorder() for other in others)
+    check_figure(fig)
 
 
 def test_routes_that_are_the_same_can_be_told_apart():
@@ -318,10 +340,8 @@ def test_methods_are_compared_on_queries_that_all_solved(run):
     assert 0 < lost.sum() < len(table)
     fig = plot_methods(table, opened.methods, compared=ROUTES, title="pond")
     solved = table.filter(pl.col("status") == Status.FOUND)["job"].n_unique()
-    assert (
-        fig.get_suptitle()
-        == f"pond: boxes over the {solved} of 12 queries that every method solved"
-    )
+    title = f"pond: boxes over the {solved} of 12 queries that every method solved"
+    assert fig.get_suptitle() == f"{title}\n({BOXES})"
     share = {round(float(c.lines[0].get_ydata()[0]), 6) for c in fig.axes[0].containers}
     assert share == {round(100 * solved / 12, 6)}
     ticks = [label.get_text() for label in fig.axes[1].get_xticklabels()]
@@ -359,5 +379,7 @@ def test_methods_over_several_conditions_have_a_legend():
     assert ticks == [f"density 0.{c}\nn = {n}" for c, n in enumerate((6, 6, 4))]
     shares = [label.get_text() for label in fig.axes[0].get_xticklabels()]
     assert shares == ["density 0.0", "density 0.1", "density 0.2"]
-    assert fig.get_suptitle() == "boxes over the n of 6 queries that every method solved"
+    assert (
+        fig.get_suptitle() == f"boxes over the n of 6 queries that every method solved\n({BOXES})"
+    )
     assert_inside(fig)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
 from usvjax.plots import base_map, style
+from usvjax.plots.labels import draw_labels
 from usvjax.plots.paths import clean_track
 from usvjax.plots.route import length_of, length_words, view_around
 
@@ -28,8 +29,7 @@ _DISC: dict[str, Any] = {
     "markeredgecolor": style.BLACK,
     "markeredgewidth": 0.7,
 }
-# Points: discs hold two digits of their number.
-_DISC_SIZE, _NUMBER_SIZE = 9.0, 5.5
+_DISC_SIZE, _HOME_SIZE = 4.0, 6.5
 
 
 @style.styled
@@ -88,10 +88,11 @@ def plot_cruise(
         raise BadInputError(f"track has shape {sailed.shape}; (P, 2 or more) was wanted")
     line = clean_track(sailed, "track")
     fig, ax = base_map.new_sheet(grid_map, view or view_around(grid_map, [line, places]))
-    handles = []
+    handles, ways = [], [line]
     if tour is not None:
         straight = _closed(places[_order("tour", tour, len(places))])
         handles += ax.plot(*straight.T, zorder=2, gid=TOUR_ID, **_TOUR)
+        ways.append(straight)
         label = tour_label or f"tour in straight lines: {length_words(length_of(straight))}"
         handles[-1].set_label(label)
     handles += ax.plot(*line.T, zorder=3, gid=TRACK_ID, **_TRACK)
@@ -103,7 +104,11 @@ def plot_cruise(
     legend = [*marks, *reversed(handles)]
     widest = max(len(str(handle.get_label())) for handle in legend)
     style.outside_legend(fig, legend, columns=2 if widest > 32 else 3)
-    return base_map.finish_sheet(fig, ax, grid_map, grid_map.attribution)
+    base_map.finish_sheet(fig, ax, grid_map.attribution)
+    # In the order of the visits, and where the numbers hide neither track nor tour.
+    numbers = [str(n) for n in range(1, len(visits))]
+    draw_labels(ax, places[visits[1:]], numbers, ways)
+    return fig
 
 
 def duration_words(seconds: float) -> str:
@@ -146,33 +151,17 @@ def _draw_arrows(ax: Axes, line: FloatArray) -> None:
 def _draw_stations(
     ax: Axes, places: FloatArray, order: NDArray[np.int64], visited: NDArray[np.bool_]
 ) -> list[Line2D]:
-    """Draw the stations with the numbers of their visits; return the legend's handles."""
-    handles = []
-    home = {**_DISC, "marker": "s", "markersize": _DISC_SIZE, "markerfacecolor": style.YELLOW}
-    ax.plot(*places[0], zorder=4, **home)
-    handles.append(Line2D([], [], label="home", **{**home, "markersize": 6.0}))
+    """Draw the stations and home; return the legend's handles."""
+    home = {**_DISC, "marker": "s", "markersize": _HOME_SIZE, "markerfacecolor": style.YELLOW}
+    handles = ax.plot(*places[0], zorder=4, label="home", **home)
     look = {**_DISC, "marker": "o", "markersize": _DISC_SIZE}
     kinds = (
         ("station, numbered in the order of visits", visited[order], "white"),
-        ("station given up", ~visited[order], style.LIGHT_GREY),
+        ("station given up", ~visited[order], style.GREY),
     )
     for label, chosen, fill in kinds:
         numbers = [n for n in range(1, len(order)) if chosen[n]]
-        if not numbers:
-            continue
-        look["markerfacecolor"] = fill
-        ax.plot(*places[order[numbers]].T, zorder=4, **look)
-        handles.append(Line2D([], [], label=label, **{**look, "markersize": 6.0}))
-    for number, station in enumerate(order[1:], start=1):
-        x, y = places[station]
-        ax.text(
-            x,
-            y,
-            str(number),
-            fontsize=_NUMBER_SIZE,
-            ha="center",
-            va="center_baseline",
-            zorder=4.1,
-            clip_on=True,
-        )
+        if numbers:
+            look["markerfacecolor"] = fill
+            handles += ax.plot(*places[order[numbers]].T, zorder=4, label=label, **look)
     return handles

@@ -2,14 +2,13 @@
 
 from usvjax.plots import style
 
-style.register_looks(
-    {
-        "astar": style.Look(style.BLACK, "-", "o"),
-        "recommended": style.Look(style.BLUE, "-", "o"),
-        "proposed": style.Look(style.VERMILLION, "--", "*"),
-        "gwo": style.Look(style.ORANGE, "-.", "^"),
-        "aco": style.Look(style.GREEN, ":", "v"),
-        "ga": style.Look(style.SKY, "--", "P"),
-        "cmpso": style.Look(style.PURPLE, "-.", "D"),
-    }
-)
+LOOKS = {
+    "astar": style.Look(style.BLACK, "-", "o"),
+    "recommended": style.Look(style.BLUE, "-", "s"),
+    "proposed": style.Look(style.VERMILLION, "--", "*"),
+    "gwo": style.Look(style.ORANGE, "-.", "^"),
+    "aco": style.Look(style.GREEN, ":", "v"),
+    "ga": style.Look(style.SKY, "--", "P"),
+    "cmpso": style.Look(style.PURPLE, "-.", "D"),
+}
+style.register_looks(LOOKS)

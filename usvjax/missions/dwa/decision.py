@@ -124,9 +124,11 @@ class EpisodeView:
         self._draw_window()
         self.show(0)
         # One layout for all frames: quicker, and the axes stand still.
-        style.settle(self.fig).set_layout_engine("none")
+        style.settle(self.fig)
         if episode.grid_map is not None:
-            base_map.draw_source(self.map, episode.grid_map.attribution)
+            base_map.write_below(self.map, episode.grid_map.attribution)
+            style.settle(self.fig)
+        self.fig.set_layout_engine("none")
 
     @style.styled
     def show(self, step: int) -> None:

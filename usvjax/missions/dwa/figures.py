@@ -102,7 +102,7 @@ def _chart(run: Run, found: Replayed, view: View | None, rows: pl.DataFrame) -> 
         max_paths=len(found.jobs),
         sample_of=rows["status"].to_numpy(),
         view=view,
-        title=title if view is None else f"{title}, where most failed",
+        title=title if view is None else f"{title}, where most of those drawn failed",
     )
 
 

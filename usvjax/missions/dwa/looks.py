@@ -2,9 +2,8 @@
 
 from usvjax.plots import style
 
-style.register_looks(
-    {
-        "traditional": style.Look(style.ORANGE, "--", "s"),
-        "improved": style.Look(style.BLUE, "-", "o"),
-    }
-)
+LOOKS = {
+    "traditional": style.Look(style.ORANGE, "--", "s"),
+    "improved": style.Look(style.BLUE, "-", "o"),
+}
+style.register_looks(LOOKS)

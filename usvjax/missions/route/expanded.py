@@ -177,15 +177,27 @@ def plot_expanded(
     handles = [
         *ends,
         Line2D([], [], color=style.BLACK, label="route"),
-        Patch(facecolor=style.ORANGE, label="expanded: g + h below the cost of the route"),
-        Patch(facecolor=style.YELLOW, label="on a tie: g + h equal to it"),
+        *_patches(searches),
     ]
     if title:
         fig.suptitle(style.folded(title, 95))
     style.outside_legend(fig, handles, columns=3)
     style.settle(fig)
-    base_map.draw_source(axes[-1], grid_map.attribution)
-    return fig
+    base_map.write_below(axes[0], grid_map.attribution)
+    return style.settle(fig)
+
+
+def _patches(searches: Sequence[Expanded]) -> list[Patch]:
+    """Handles of the legend for the kinds of cells that any search has."""
+    kinds = (
+        ("surely", style.ORANGE, "expanded: g + h below the cost of the route"),
+        ("on_tie", style.YELLOW, "on a tie: g + h equal to it"),
+    )
+    return [
+        Patch(facecolor=fill, label=label)
+        for name, fill, label in kinds
+        if any(getattr(search, name).any() for search in searches)
+    ]
 
 
 def _draw_search(ax: Axes, grid_map: GridMap, search: Expanded) -> list[Line2D]:
