@@ -64,7 +64,7 @@ def read_maps(
             f"{where}: unknown source {shown(name)}; {did_you_mean(name, table.kinds)}"
         )
     (kind,) = table.classes(name)
-    options = read_table(kind, {k: v for k, v in given.items() if k != "source"}, where)
+    options: Any = read_table(kind, {k: v for k, v in given.items() if k != "source"}, where)
     found: Opened[S] | None = kept.get(options)
     if found is None:
         found = kept[options] = opened(options, folder, where)
