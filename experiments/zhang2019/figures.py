@@ -115,7 +115,9 @@ def sizes_figure(numbers: Numbers) -> Figure:
         ax.plot([x["low"], x["high"]], [y["value"]] * 2, color=colour, linewidth=0.8)
         ax.plot([x["value"]] * 2, [y["low"], y["high"]], color=colour, linewidth=0.8)
         ax.plot(x["value"], y["value"], marker=marker, color=colour, markersize=5)
-        ax.annotate(f"{side}", (x["value"], y["value"]), xytext=(4, 4), textcoords="offset points")
+        box = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+        place = (x["value"], y["value"])
+        ax.annotate(f"{side}", place, xytext=(5, 5), textcoords="offset points", bbox=box, zorder=4)
     star = (TRADITIONAL.length, TRADITIONAL.turning)
     ax.plot(*star, marker="*", color=style.VERMILLION, markersize=11, zorder=5)
     ax.set(xlabel="length (squares)", ylabel="turning cost (squares)", ylim=(0, None))
@@ -170,7 +172,7 @@ def alike_figure(found: Found, labels: Sequence[str]) -> Figure:
 def changes_figure(found: Found) -> Figure:
     """Change of the total cost against the traditional path, per density."""
     fig = style.new_figure(style.DOUBLE_MM, 80)
-    axes = fig.subplots(1, len(DENSITIES), sharey=True)
+    axes = fig.subplots(1, len(DENSITIES), sharex=True, sharey=True)
     ran = found.studies["batched"]
     for ax, density in zip(axes, DENSITIES, strict=True):
         label = FITTED._replace(density=density).label
@@ -180,7 +182,7 @@ def changes_figure(found: Found) -> Figure:
             new = paths(ran, label, rule, "batched")
             both = new.found & old.found
             _rising(ax, new.some(both).total() - old.some(both).total(), look)
-        ax.set(xlabel="change of the total (squares)", ylim=(0, 102), xlim=(-12, 6))
+        ax.set(xlabel="change of the total (squares)", ylim=(0, 102))
         ax.set_title(f"{_PLACE}, density {density:g}")
     axes[0].set_ylabel("maps with that change or less (%)")
     style.outside_legend(fig, _handles(LOOKS), columns=3)

@@ -168,6 +168,8 @@ def _alike(numbers: Numbers) -> list[Any]:
     rows = []
     for label in numbers["sizes"]:
         found = {program: _alike_of(numbers, program, label) for program in BASES}
+        if not any(own["n"] for own in found.values()):
+            continue
         rows.append(
             [
                 label,
@@ -180,7 +182,8 @@ def _alike(numbers: Numbers) -> list[Any]:
     return [
         "Maps whose traditional path is within 1 square of Table 3 in length (43.8) and turning "
         f"cost (15.5). Mean saving of the total in squares, and share of maps that save "
-        f"{SAVED:.1f} or more, as the paper's does, with its Wilson interval (%).",
+        f"{SAVED:.1f} or more, as the paper's does, with its Wilson interval (%). Sizes that are "
+        "left out have no such map.",
         Sheet("", header, rows),
         _exactly(numbers),
     ]
