@@ -302,8 +302,8 @@ def _time(numbers: Numbers) -> list[Any]:
     ratio = TIMES["improved"] / TIMES["traditional"]
     return [
         f"Published: {TIMES['traditional']:g} and {TIMES['improved']:g} ms (VS2017, i5-6300HQ), "
-        f"{change(ratio - 1.0)}. Per query: the fastest run. Ratio to the traditional rule: "
-        "geometric mean over runs that take turns, with its 95 % t interval. Batched: on one "
-        "device, all maps at once; textbook: Python, map by map.",
+        f"{change(ratio - 1.0)}. Processor time per query: the fastest run. Ratio to the "
+        "traditional rule: geometric mean over runs that take turns, with its 95 % t interval. "
+        "Batched: on one device, all maps at once; textbook: Python, map by map.",
         Sheet("", ["Size", "Program", "Rule", "us per query", "Ratio"], rows, words=3),
     ]
