@@ -141,8 +141,8 @@ def test_maps_like_the_papers_are_chosen_by_the_traditional_path_alone():
     assert found["saved"] == pytest.approx(2.5)
     assert found["as_published"]["value"] == pytest.approx(0.5)
     assert found["p"] == pytest.approx(2 / 3)  # one of two, and the paper's own
-    wide = made([61.3, 61.5], [31, 31])
-    assert compare.alike(wide, 2.0).tolist() == [True, False]
+    wide = made([61.3, 61.5, 61.3, 61.8], [31, 31, 35, 36])  # length, then turning cost
+    assert compare.alike(wide, 2.0).tolist() == [True, False, True, False]
 
 
 def test_how_far_out_the_published_path_is_goes_by_ranks():
