@@ -34,7 +34,7 @@ LOOKS = {
 _BY_DENSITY = {
     0.1: style.Look(style.BLUE, "-", "o"),
     0.2: style.Look(style.ORANGE, "-", "s"),
-    0.3: style.Look(style.GREEN, "-", "^"),
+    0.3: style.Look(style.GREEN, "-", "D"),
 }
 """Of the densities."""
 _PLACE = f"{FITTED.side} x {FITTED.side} cells"
@@ -51,7 +51,7 @@ def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
     yield Drawing(
         "sizes",
         "The traditional paths of the batched search on maps of every size, corners not cut: mean "
-        "and 95 % range of length and turning cost. Beside the marks: cells a side.",
+        "and 95 % range of length and turning cost. In the marks: cells a side.",
         sizes_figure(numbers),
     )
     if panels := _most_alike(numbers):
@@ -114,16 +114,17 @@ def sizes_figure(numbers: Numbers) -> Figure:
         colour, _, marker = _BY_DENSITY[density]
         ax.plot([x["low"], x["high"]], [y["value"]] * 2, color=colour, linewidth=0.8)
         ax.plot([x["value"]] * 2, [y["low"], y["high"]], color=colour, linewidth=0.8)
-        ax.plot(x["value"], y["value"], marker=marker, color=colour, markersize=5)
-        box = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}
         place = (x["value"], y["value"])
-        ax.annotate(f"{side}", place, xytext=(5, 5), textcoords="offset points", bbox=box, zorder=4)
+        ax.plot(*place, marker, color=colour, markersize=13, markerfacecolor="white", zorder=4)
+        ax.annotate(f"{side}", place, ha="center", va="center", fontsize=7, zorder=5)
     star = (TRADITIONAL.length, TRADITIONAL.turning)
-    ax.plot(*star, marker="*", color=style.VERMILLION, markersize=11, zorder=5)
+    ax.plot(*star, marker="*", color=style.VERMILLION, markersize=11, zorder=6)
     ax.set(xlabel="length (squares)", ylabel="turning cost (squares)", ylim=(0, None))
     handles = [
         style.method_handle(look, f"density {density:g}") for density, look in _BY_DENSITY.items()
     ]
+    for handle in handles:
+        handle.set_markerfacecolor("white")
     handles.append(
         Line2D([], [], color=style.VERMILLION, linestyle="", marker="*", markersize=9,
                label="published (Table 3)")

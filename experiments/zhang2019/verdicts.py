@@ -95,10 +95,10 @@ def claims(numbers: Numbers) -> list[Claim]:
             f"{TIMES['traditional']:g} to {TIMES['improved']:g} ms",
             _time,
             {_words(one): one for one in _timed()},
-            test="Holds where the ratio of processor times, with its 95 % t interval over runs that "
-            f"take turns, lies below {ratio_range()[1]:.3f}, the largest that rounds to Table 4, "
-            "and fails where it lies above; a true one fails with 2.5 % probability. Program and "
-            "machine are ours, so it says nothing of theirs.",
+            test="Holds where the ratio of processor times, with its 95 % t interval over runs "
+            f"that take turns, lies below {ratio_range()[1]:.3f}, the largest that rounds to Table "
+            "4, and fails where it lies above; a true one fails with 2.5 % probability. Program "
+            "and machine are ours, so it says nothing of theirs.",
         ),
     ]
 
