@@ -246,13 +246,14 @@ def _times(taken: Mapping[str, Any]) -> dict[str, Any]:
     """Times by size, program and rule.
 
     Returns:
-        s per query of the fastest run, and the ratio to the traditional rule: the geometric mean
-        over runs that took turns.
+        Number of runs, s per query of the fastest, and the ratio to the traditional rule: the
+        geometric mean over runs that took turns.
     """
     return {
         label: {
             program: {
                 rule: {
+                    "n": len(seconds),
                     "seconds": min(seconds),
                     "ratio": ratio(np.array(seconds), np.array(rules["traditional"])),
                 }

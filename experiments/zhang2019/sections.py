@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from experiments.claims import Numbers
+from experiments.zhang2019.arithmetic import lower
 from experiments.zhang2019.compare import SAVED
 from experiments.zhang2019.published import IMPROVED, TIMES, TRADITIONAL
 from experiments.zhang2019.runs import FITTED, SIDES
@@ -306,4 +307,5 @@ def _time(numbers: Numbers) -> list[Any]:
         "traditional rule: geometric mean over runs that take turns, with its 95 % t interval. "
         "Batched: on one device, all maps at once; textbook: Python, map by map.",
         Sheet("", ["Size", "Program", "Rule", "us per query", "Ratio"], rows, words=3),
+        Bullets([f"{one.where}: {one.recomputed}: {one.verdict}." for one in lower()]),
     ]
