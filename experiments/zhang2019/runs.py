@@ -25,7 +25,7 @@ SIDES = (20, 25, 28, 31)
 """Cells; the last three are those that Table 3's lengths allow for."""
 DENSITIES = (0.1, 0.2, 0.3)
 SHARD = 500
-"""Maps; also of the batched search when it is timed, so that it is the same program."""
+"""Maps."""
 
 
 class Size(NamedTuple):
@@ -86,7 +86,8 @@ def runs(options: ZhangOptions) -> Mapping[str, Run]:
         if options.maps < 1:
             raise BadInputError(f"--maps: got {options.maps}; wanted at least 1 map per density")
         maps = options.maps
-    timed = 20 if options.quick else 100
+    # As many as in a shard of the study, so that it is the same program.
+    timed = {"batched": min(maps, SHARD), "textbook": 20 if options.quick else 100}
     return {
         "batched": _study("batched", maps, SHARD, [named(rule, "batched") for rule in BATCHED]),
         "textbook": _study("textbook", min(maps, most), 50, list(TEXTBOOK)),
@@ -116,14 +117,14 @@ def _study(name: str, maps: int, shard: int, methods: list[str]) -> Study:
 Times = dict[str, dict[str, dict[str, list[float]]]]
 
 
-def times(repeats: int, maps: int, advance: Callable[[int], object]) -> Times:
+def times(repeats: int, maps: Mapping[str, int], advance: Callable[[int], object]) -> Times:
     """Time the searches, the rules taking turns; each once before it counts.
 
     Processor time: what else the machine does counts for less.
 
     Args:
         repeats: how often.
-        maps: for the textbook's program.
+        maps: for each program.
         advance: told how many batches are done.
 
     Returns:
@@ -134,7 +135,7 @@ def times(repeats: int, maps: int, advance: Callable[[int], object]) -> Times:
         case = Case({}, {}, Maps(**size._asdict()))
         found[label] = {
             program: _timed(program, MISSION.pose(case, SEED, np.arange(count)), repeats, advance)
-            for program, count in (("batched", SHARD), ("textbook", maps))
+            for program, count in maps.items()
         }
     return found
 
