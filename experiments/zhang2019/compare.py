@@ -1,91 +1,149 @@
-"""Each method against the traditional one on the same maps, and on maps like the paper's."""
+"""Each rule against the traditional one on the same maps, and on maps like the paper's."""
 
+from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from experiments.estimates import mean, share, spread
+from experiments.estimates import mean, ratio, share, spread
+from experiments.runs import Found, Ran
+from experiments.zhang2019.arithmetic import steps_of
+from experiments.zhang2019.mission import BATCHED, ORDERS, TEXTBOOK, named
+from experiments.zhang2019.paths import EXACT_DIAGONAL, Paths, paths_of
 from experiments.zhang2019.published import IMPROVED, TRADITIONAL
-from experiments.zhang2019.runs import EXACT_DIAGONAL, Paths
+from experiments.zhang2019.runs import FITTED, SIZES, settings
 
-WINDOW = 1.0
+WINDOWS = (1.0, 2.0)
 """Squares by which length and turning cost of the traditional path may differ from the paper's
 on a map that counts as one like it."""
-LEAST_MATCHES = 20
+SAVED = TRADITIONAL.total - IMPROVED.total
+"""Squares, by Table 3."""
 _ALIKE = 1e-6
 
+CLOSELY = [label for label, (side, _, cut) in SIZES.items() if side == FITTED.side and not cut]
+"""Sizes of the map of which the tables show everything."""
 
-def against(new: Paths, old: Paths) -> dict[str, Any]:
-    """Compare a method with the traditional one, map by map, where there is a path.
+PROGRAMS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "batched": ("batched", tuple(rule for rule in BATCHED if rule != "traditional")),
+    **{order: ("textbook", ("printed", "accumulated")) for order in ORDERS},
+}
+"""Name of a program to its study and the rules beside the traditional one."""
+
+
+def paths(ran: Ran, label: str, rule: str, program: str) -> Paths:
+    """The paths of one rule on the maps of one size."""
+    return paths_of(ran.columns(label, named(rule, program)))
+
+
+def measure(found: Found) -> dict[str, Any]:
+    """All tables; see `experiments.paper.Part`."""
+    table: dict[str, Any] = {
+        "maps": settings(found),
+        "sizes": {label: size._asdict() for label, size in SIZES.items()},
+        "programs": {program: _program(found, program) for program in PROGRAMS},
+        "closely": {label: _closely(found, label) for label in CLOSELY},
+        "shown": _shown(found),
+        "time": _times(found.made["timed"]),
+        "steps": [{**asdict(row), "side": row.side} for row in steps_of(TRADITIONAL.length)],
+    }
+    return table
+
+
+def _program(found: Found, program: str) -> dict[str, Any]:
+    study, rules = PROGRAMS[program]
+    ran = found.studies[study]
+    table = {}
+    for label in SIZES:
+        old = paths(ran, label, "traditional", program)
+        new = {rule: paths(ran, label, rule, program) for rule in rules}
+        table[label] = {
+            "traditional": traditional(old),
+            "alike": {
+                f"{window:g}": {
+                    "n": int(alike(old, window).sum()),
+                    **{rule: saved(own, old, window) for rule, own in new.items()},
+                }
+                for window in WINDOWS
+            },
+            "exactly": exactly(new, old),
+            "against": {rule: against(own, old) for rule, own in new.items()},
+        }
+    return table
+
+
+def traditional(old: Paths) -> dict[str, Any]:
+    """What the traditional paths cost on all maps, and how far out Table 3's lies among them.
 
     Returns:
-        Number of maps, means, paired differences with t intervals, and the shares of maps on
-        which the total cost is lower, equal and higher.
+        Share of maps with a path; mean, 2.5 and 97.5 % quantiles; and p, the probability that
+        a map of these has a path as far out in length or in turning cost (Bonferroni; by ranks,
+        so that it is exact for any number of maps).
     """
-    both = new.found & old.found
-    new, old = new.some(both), old.some(both)
-    change = new.total() - old.total()
-    columns = {
-        "total": (new.total(), old.total()),
-        "turning": (new.turning, old.turning),
-        "length": (new.length(), old.length()),
-        "total_sqrt2": (new.total(EXACT_DIAGONAL), old.total(EXACT_DIAGONAL)),
-        "expanded": (new.expanded, old.expanded),
-    }
+    some = old.some(old.found)
+    length, turning = some.length(), some.turning
+    ranks = (_two_sided(length, TRADITIONAL.length), _two_sided(turning, TRADITIONAL.turning))
     return {
-        "n": len(change),
-        "metrics": {name: _compared(*pair) for name, pair in columns.items()},
-        "better": share(change < -_ALIKE),
-        "equal": share(np.abs(change) <= _ALIKE),
-        "worse": share(change > _ALIKE),
+        "n": len(length),
+        "reached": share(old.found),
+        "length": spread(length),
+        "turning": spread(turning),
+        "total": spread(some.total()),
+        "p": min(1.0, 2.0 * min(ranks)),
     }
 
 
-def _compared(new: np.ndarray, old: np.ndarray) -> dict[str, Any]:
-    return {
-        "mean": float(new.mean()) if len(new) else None,
-        "traditional": float(old.mean()) if len(old) else None,
-        "difference": mean(new - old),
-    }
+def _two_sided(values: np.ndarray, published: float) -> float:
+    sides = (values <= published + _ALIKE, values >= published - _ALIKE)
+    return min(1.0, 2.0 * min(_rank(side) for side in sides))
 
 
-def excess(paths: Paths, exact: Paths) -> dict[str, Any]:
-    """By how much the total, with true diagonals, exceeds the least there is.
-
-    Returns:
-        Number of maps, mean and largest ratio, and the share of maps with the least itself.
-    """
-    both = paths.found & exact.found
-    if not both.any():
-        return {"n": 0, "mean": None, "largest": None, "optimal": share(both[:0])}
-    best = exact.some(both).total(EXACT_DIAGONAL)
-    ratio = paths.some(both).total(EXACT_DIAGONAL) / best
-    return {
-        "n": int(both.sum()),
-        "mean": float(ratio.mean()),
-        "largest": float(ratio.max()),
-        "optimal": share(ratio < 1.0 + _ALIKE),
-    }
+def _rank(as_far: np.ndarray) -> float:
+    """Probability of a value so far out, from n others; the published one counts as one more."""
+    return float((1 + as_far.sum()) / (1 + len(as_far)))
 
 
-def alike(old: Paths) -> np.ndarray:
+def alike(old: Paths, window: float) -> np.ndarray:
     """Which maps are like the paper's: the traditional path costs about what Table 3 says."""
     close: np.ndarray = (
         old.found
-        & (np.abs(old.length() - TRADITIONAL.length) <= WINDOW + _ALIKE)
-        & (np.abs(old.turning - TRADITIONAL.turning) <= WINDOW + _ALIKE)
+        & (np.abs(old.length() - TRADITIONAL.length) <= window + _ALIKE)
+        & (np.abs(old.turning - TRADITIONAL.turning) <= window + _ALIKE)
     )
     return close
 
 
-def same(old: Paths) -> np.ndarray:
-    """Which maps have exactly the traditional path's costs of Table 3."""
-    exactly: np.ndarray = (
-        old.found
-        & (np.abs(old.length() - TRADITIONAL.length) <= _ALIKE)
-        & (np.abs(old.turning - TRADITIONAL.turning) <= _ALIKE)
-    )
-    return exactly
+def saved(new: Paths, old: Paths, window: float) -> dict[str, Any]:
+    """What a rule saves on the maps that are like the paper's.
+
+    Returns:
+        Mean saving of the total; share of maps with at least the published one; and p, the
+        probability of such a saving on a map like these.
+    """
+    chosen = alike(old, window)
+    saving = old.some(chosen).total() - new.some(chosen).total()
+    as_published = saving >= SAVED - _ALIKE
+    return {
+        "saved": float(saving.mean()) if len(saving) else None,
+        "as_published": share(as_published),
+        "p": _rank(as_published),
+    }
+
+
+def exactly(new: Mapping[str, Paths], old: Paths) -> dict[str, int]:
+    """Count maps whose traditional path costs exactly what Table 3 says.
+
+    Returns:
+        Their number, and by rule on how many of them its path then does, too.
+    """
+    same = alike(old, 0.0)
+    hits = {
+        rule: same
+        & np.isclose(own.total(), IMPROVED.total)
+        & np.isclose(own.turning, IMPROVED.turning)
+        for rule, own in new.items()
+    }
+    return {"maps": int(same.sum()), **{rule: int(hit.sum()) for rule, hit in hits.items()}}
 
 
 def nearest(old: Paths) -> int:
@@ -94,54 +152,114 @@ def nearest(old: Paths) -> int:
     return int(np.where(old.found, np.round(apart, 6), np.inf).argmin())
 
 
-def on_maps_alike(new: Paths, old: Paths) -> dict[str, Any]:
-    """What a method makes of the maps that are like the paper's.
+def against(new: Paths, old: Paths) -> dict[str, Any]:
+    """Mean differences to the traditional rule with t intervals, map by map where there is a path.
 
     Returns:
-        Number of such maps, of those with exactly the published costs and of those where the
-        method then has exactly the published costs as well; mean, 2.5 and 97.5 % quantiles of
-        total and turning cost; share of maps with at least the published saving.
+        Number of maps, and the changes of total and turning cost and of the number of turns.
     """
-    chosen, exactly = alike(old), same(old)
-    own, before = new.some(chosen), old.some(chosen)
-    hits = (
-        exactly
-        & np.isclose(new.total(), IMPROVED.total)
-        & np.isclose(new.turning, IMPROVED.turning)
-    )
-    saved = before.total() - own.total()
-    published = TRADITIONAL.total - IMPROVED.total
-    columns = {"total": own.total(), "turning": own.turning}
+    both = new.found & old.found
+    new, old = new.some(both), old.some(both)
     return {
-        "n": int(chosen.sum()),
-        "same": int(exactly.sum()),
-        "hits": int(hits.sum()),
-        "spread": {name: spread(values) for name, values in columns.items()},
-        "saved": float(saved.mean()) if len(saved) else None,
-        "as_published": share(saved >= published - _ALIKE),
+        "n": int(both.sum()),
+        "total": mean(new.total() - old.total()),
+        "turning": mean(new.turning - old.turning),
+        "bends": mean(new.bends - old.bends),
     }
 
 
-def spread_of_all(old: Paths) -> dict[str, Any]:
-    """Mean and quantiles of what the traditional paths cost, on all maps."""
-    some = old.some(old.found)
-    columns = {"total": some.total(), "turning": some.turning, "length": some.length()}
-    return {"n": len(some.found), **{name: spread(values) for name, values in columns.items()}}
-
-
-def slowdown(new: list[float], old: list[float]) -> dict[str, Any]:
-    """Time of a method over that of the traditional one, from runs that took turns.
+def closely(new: Paths, old: Paths) -> dict[str, Any]:
+    """The same in full.
 
     Returns:
-        s per query of the fastest run each; their ratio, and the range of ratios run by run.
+        `against`; means of both; changes of length and of the cells expanded; and the shares of
+        maps on which the total cost is equal and higher.
     """
-    ratios = np.array(new) / np.array(old)
+    rows = against(new, old)
+    both = new.found & old.found
+    new, old = new.some(both), old.some(both)
+    change = new.total() - old.total()
+    means = {
+        "total": (new.total(), old.total()),
+        "turning": (new.turning, old.turning),
+        "bends": (new.bends, old.bends),
+        "length": (new.length(), old.length()),
+        "expanded": (new.expanded, old.expanded),
+    }
     return {
-        "seconds": min(new),
-        "traditional": min(old),
-        "ratio": {
-            "value": min(new) / min(old),
-            "low": float(ratios.min()),
-            "high": float(ratios.max()),
+        **rows,
+        "length": mean(new.length() - old.length()),
+        "expanded": mean(new.expanded - old.expanded),
+        "means": {
+            name: [float(one.mean()) if len(one) else None for one in pair]
+            for name, pair in means.items()
         },
+        "equal": share(np.abs(change) <= _ALIKE),
+        "worse": share(change > _ALIKE),
+    }
+
+
+def _closely(found: Found, label: str) -> dict[str, Any]:
+    """Every rule of both programs against the program's traditional one on maps of one size."""
+    batch, book = found.studies["batched"], found.studies["textbook"]
+    own = {rule: paths(batch, label, rule, "batched") for rule in BATCHED}
+    books = {name: paths_of(book.columns(label, name)) for name in TEXTBOOK}
+    plain = books.pop(named("traditional", "textbook"))
+    return {
+        "batched": {
+            rule: closely(one, own["traditional"])
+            for rule, one in own.items()
+            if rule != "traditional"
+        },
+        "textbook": {name: closely(one, plain) for name, one in books.items()},
+        "excess": {rule: excess(one, own["exact"]) for rule, one in own.items()},
+    }
+
+
+def excess(own: Paths, exact: Paths) -> float | None:
+    """By how much totals, with true diagonals, exceed the least there is; mean, relative to it."""
+    both = own.found & exact.found
+    if not both.any():
+        return None
+    best = exact.some(both).total(EXACT_DIAGONAL)
+    return float((own.some(both).total(EXACT_DIAGONAL) / best).mean() - 1.0)
+
+
+def _shown(found: Found) -> dict[str, Any]:
+    """The paths on the map that is drawn."""
+    ran, label = found.studies["batched"], FITTED.label
+    job = nearest(paths(ran, label, "traditional", "batched"))
+    table = {}
+    for rule in BATCHED:
+        own = paths(ran, label, rule, "batched").some(np.array([job]))
+        table[rule] = {
+            "total": float(own.total()[0]),
+            "turning": float(own.turning[0]),
+            "length": float(own.length()[0]),
+            "bends": int(own.bends[0]),
+            "expanded": int(own.expanded[0]),
+        }
+    return {"map": job, "paths": table}
+
+
+def _times(taken: Mapping[str, Any]) -> dict[str, Any]:
+    """Times by size, program and rule.
+
+    Returns:
+        Number of runs, s per query of the fastest, and the ratio to the traditional rule: the
+        geometric mean over runs that took turns.
+    """
+    return {
+        label: {
+            program: {
+                rule: {
+                    "n": len(seconds),
+                    "seconds": min(seconds),
+                    "ratio": ratio(np.array(seconds), np.array(rules["traditional"])),
+                }
+                for rule, seconds in rules.items()
+            }
+            for program, rules in programs.items()
+        }
+        for label, programs in taken.items()
     }

@@ -127,6 +127,7 @@ def test_a_paper_is_run_judged_written_and_not_run_twice(tmp_path, monkeypatch, 
     assert "somebody2099: 8 episodes; how long it takes was never recorded" in err
     assert "It flies (published: never): DOES NOT REPRODUCE" in out
     assert "no: 7 s, 1" in out
+    assert "\\n" not in out
 
     spec = runs(Sizes())["sailed"].spec
     shards = list((place_of("somebody2099", spec) / "sailed").rglob("*.parquet"))
@@ -164,6 +165,16 @@ def test_verdicts():
     (verdict,) = judge([weak], {})
     assert verdict.verdict == "not excluded"
     assert claims.sheet([verdict]).rows[0][3:] == ["yes: n", "yes: n", "no: n"]
+
+
+def test_readings_of_a_kind_are_counted_together():
+    readings = {"a: 1": YES, "a: 2": NO, "a: 3": NO, "b: 1": YES, "c": NEITHER}
+    (verdict,) = judge([Claim("c", "p", lambda n, given: given, readings)], {})
+    sheet = claims.sheet([verdict])
+    assert list(sheet.header[3:]) == ["a", "b: 1", "c"]
+    assert sheet.rows[0][3:] == ["of 3: yes 1, no 2", "yes: n", "-: n"]
+    assert claims.section([verdict]).parts[0].rows[0][1:] == ["a", "of 3: yes 1, no 2"]
+    assert len(verdict.found) == 5
 
 
 def test_numbers_are_rounded():

@@ -16,8 +16,7 @@ from experiments.tan2022 import __main__ as tan2022
 from experiments.textbook import LOWER_FIRST, STRAIGHTS_FIRST, UPPER_FIRST, Rules
 from experiments.wei2023 import __main__ as wei2023
 from experiments.yu2022 import __main__ as yu2022
-from experiments.zhang2019 import __main__ as zhang2019
-from experiments.zhang2019.runs import measure
+from experiments.zhang2019.paths import counted
 
 EXACT = Rules(1000, 1400, heuristic="octile")
 PROGRAMS = {
@@ -25,13 +24,12 @@ PROGRAMS = {
     "tan2022": (tan2022, "--episodes"),
     "wei2023": (wei2023, "--scenes"),
     "yu2022": (yu2022, "--swarm-runs"),
-    "zhang2019": (zhang2019, "--maps"),
 }
 
 
 def cost_of(path):
-    straight, diagonal, turns = (int(n[0]) for n in measure(np.array([path])))
-    return 1000 * straight + 1400 * diagonal, turns
+    own = {name: int(count[0]) for name, count in counted(np.array([path])).items()}
+    return 1000 * own["straight"] + 1400 * own["diagonal"], own["turns"]
 
 
 # --- the textbook search ----------------------------------------------------------------------
