@@ -38,6 +38,7 @@ LOOKS = {
     ARCS.name: style.Look(style.VERMILLION, "-", "*"),
     ARCS_3.name: style.Look(style.GREEN, "-.", "^"),
 }
+_COLOURS = (style.VERMILLION, style.ORANGE, style.GREEN)
 _ROWS = [f"row {place}" for place in range(1, ROWS + 1)]
 
 
@@ -53,17 +54,16 @@ def draw_ratios(numbers: Numbers) -> Drawing:
 @style.styled
 def _ratios(numbers: Numbers) -> Figure:
     named = [
-        (reading if label == MAIN else f"{label}, {reading}", label, method)
-        for label in numbers["compared"]
-        for reading, method in LITERAL.items()
+        (f"{reading}{'' if label == MAIN else ', ' + label}", label, method, (colour, marker))
+        for label, marker in zip(numbers["compared"], "os^", strict=False)
+        for (reading, method), colour in zip(LITERAL.items(), _COLOURS, strict=True)
     ]
-    named.append(("(shortened first, R = 15 m)", MAIN, SHORT_ARCS))
-    fig = style.new_figure(style.DOUBLE_MM, 90)
-    looks = _looks(len(named))
+    named.append(("(shortened first, R = 15 m)", MAIN, SHORT_ARCS, (style.GREY, "*")))
+    fig = style.new_figure(style.DOUBLE_MM, 105)
     for ax, metric in zip(fig.subplots(1, 2), METRICS, strict=True):
         # What is printed takes the last place of each row.
         shifts = 0.9 * ((np.arange(len(named) + 1) + 0.5) / (len(named) + 1) - 0.5)
-        for (_, label, method), look, shift in zip(named, looks, shifts[:-1], strict=True):
+        for (_, label, method, look), shift in zip(named, shifts[:-1], strict=True):
             rows = numbers["compared"][label][method.name][SPLINE.name][1:]
             _bars(ax, np.arange(ROWS) + shift, [row[metric]["ratio"] for row in rows], *look)
         for digits in METRICS[metric]:
@@ -74,7 +74,7 @@ def _ratios(numbers: Numbers) -> Figure:
         ax.set(xlabel="row of Table 3", ylabel=f"proposed / B-spline, {_words(metric)}")
     handles = [
         Line2D([], [], color=colour, marker=marker, linestyle="", markersize=4, label=words)
-        for (words, _, _), (colour, marker) in zip(named, looks, strict=True)
+        for words, _, _, (colour, marker) in named
     ]
     style.outside_legend(fig, [*handles, *_printed_handles(METRICS["turning"])], columns=3)
     return style.settle(fig)
@@ -87,13 +87,6 @@ def _by_place(ax: Axes, names: Sequence[str]) -> None:
     ax.grid(visible=False, axis="x")
     for edge in np.arange(len(names) - 1) + 0.5:
         ax.axvline(edge, color=style.LIGHT_GREY, linewidth=0.5, zorder=0)
-
-
-def _looks(count: int) -> list[tuple[str, str]]:
-    """Colour and marker of each of some readings."""
-    colours = (style.VERMILLION, style.GREEN, style.SKY, style.BLUE, style.ORANGE, style.PURPLE)
-    chosen = list(zip(colours, "os^vPX", strict=True))[: count - 1]
-    return [*chosen, (style.GREY, "*")]
 
 
 def _words(metric: str) -> str:

@@ -1,10 +1,17 @@
 """The page on path planning in Chen et al. 2023: its tables, readings and findings, written."""
 
 from collections.abc import Mapping
+from math import pi, tan
 from typing import Any
 
 from experiments.chen2023.claims import LITERAL
-from experiments.chen2023.published import ALGORITHMS, DIGITS, EXPANSION, TABLE_3
+from experiments.chen2023.published import (
+    ALGORITHMS,
+    DIGITS,
+    EXPANSION,
+    SAFETY_RANGE,
+    TABLE_3,
+)
 from experiments.chen2023.routes import (
     ARCS,
     ARCS_3,
@@ -373,11 +380,13 @@ def readings(numbers: Numbers) -> list[str]:
         '"cells of 10 m" and "fewest turns" are of the same scenes on a coarser grid, and with '
         "those of the shortest paths that have the fewest turns: which of them A* takes is not "
         "printed, and its turning hangs on it.",
-        "Proposed: Algorithm 1 with R_s = 2 R, as in Table 1, at the corners of A*'s own path. "
+        "Proposed: Algorithm 1 at the corners of A*'s own path, with Table 1's R_s = "
+        f"{SAFETY_RANGE:g} m; as R_s is 2 R there, with R_s = 2 R as well. "
         'Eq. 5 and the text call what is smoothed "the planning path of the traditional A* '
         'algorithm", and Algorithm 1 goes from turning point to turning point; no step removes '
         "points by lines of sight. Such a shortening before it is ours, so it stands beside and "
-        "does not count. R = 15 m is Table 1's u/r, R = 3 m its R; both count. "
+        "does not count. R = 15 m is Table 1's u/r, R = 3 m its R; both count. At a corner of "
+        f"45 deg, R_s makes an arc of {SAFETY_RANGE / tan(pi / 8):.1f} m where there is room. "
         "`docs/equations.md` has the three templates. Post-order traversal is read as following "
         "parent pointers.",
         "A* + B-spline: a clamped cubic B-spline; which points control it is not printed. Taken "

@@ -7,7 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from experiments.chen2023.published import ENDS, PRINTED_RADIUS, SPEED, YAW_RATE
+from experiments.chen2023.published import (
+    ENDS,
+    PRINTED_RADIUS,
+    SAFETY_RANGE,
+    SPEED,
+    YAW_RATE,
+)
 from experiments.chen2023.scenes import (
     ORIGIN,
     Scenes,
@@ -61,7 +67,8 @@ class Method:
         base: "astar", the cells that A* returns; "corners", those at which it turns; or
             "shortened" by lines of sight.
         smoothing: "none", "bspline" or "arcs".
-        radius: R of the arcs, m; R_s is twice that, as in Table 1.
+        radius: R of the arcs, m.
+        safety: R_s, how far from a corner they leave the path where they can, m.
         yaw_rate: of the vessel that sails it, rad/s.
     """
 
@@ -70,6 +77,7 @@ class Method:
     base: str
     smoothing: str
     radius: float = TURNING_RADIUS
+    safety: float = SAFETY_RANGE
     yaw_rate: float = YAW_RATE
 
 
@@ -79,6 +87,13 @@ SPLINE = Method("bspline", "A* + B-spline of its cells", "astar", "bspline")
 CORNER_SPLINE = Method("bspline_corners", "A* + B-spline of its corners", "corners", "bspline")
 SHORT_SPLINE = Method("bspline_shortened", "A*, shortened + B-spline", "shortened", "bspline")
 ARCS = Method("arcs", "Proposed, R = 15 m", "astar", "arcs")
+ARCS_WIDE = Method(
+    "arcs_wide",
+    "Proposed, R = 15 m, R_s = 2 R",
+    "astar",
+    "arcs",
+    safety=TURNING_RADIUS * SAFETY_RANGE / PRINTED_RADIUS,
+)
 ARCS_3 = Method("arcs_3", "Proposed, R = 3 m", "astar", "arcs", radius=PRINTED_RADIUS)
 AGILE = Method(
     "arcs_3_agile",
@@ -93,9 +108,9 @@ SHORT_ARCS_3 = Method(
     "short_arcs_3", "Shortened first, R = 3 m", "shortened", "arcs", radius=PRINTED_RADIUS
 )
 SPLINES = (SPLINE, CORNER_SPLINE, SHORT_SPLINE)
-PROPOSED = (ARCS, ARCS_3, SHORT_ARCS, SHORT_ARCS_3)
+PROPOSED = (ARCS, ARCS_WIDE, ARCS_3, SHORT_ARCS, SHORT_ARCS_3)
 """Algorithm 1 on the path of A*, as it is printed, and with a step of ours before it."""
-SAILED = (ASTAR, SHORTENED, *SPLINES, ARCS, ARCS_3, AGILE, SHORT_ARCS, SHORT_ARCS_3)
+SAILED = (ASTAR, SHORTENED, *SPLINES, *PROPOSED, AGILE)
 METHODS = {method.name: method for method in SAILED}
 
 
@@ -234,6 +249,7 @@ def make_route(searched: Search, method: Method) -> Route:
             counts,
             searched.maps,
             turning_radius=method.radius,
+            safety_range=method.safety,
             spacing=SPACING,
             margin=MARGIN,
             **searched.frame,

@@ -336,7 +336,7 @@ def test_verdicts_say_so_when_they_are_missed():
 
 def test_a_shortening_of_ours_stands_beside_and_does_not_count():
     longer = made_up(SCENES, length=1.3)
-    found = judged(arcs=longer, arcs_3=longer)[SHORTER]
+    found = judged(arcs=longer, arcs_wide=longer, arcs_3=longer)[SHORTER]
     assert found.verdict == "does not reproduce"
     assert found.beside["shortened first, R = 15 m"].holds
     assert not any("shortened" in label for one in judged().values() for label in one.found)
