@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from math import cos, hypot, pi, radians, sin
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from experiments.paper import main
 from experiments.runs import Study
 from usvjax.errors import BadInputError
 from usvjax.mission import Files
+from usvkernels.status import Status
 
 WATERS = Waters(islands=25)
 PAIRS = len(published.ENDS)
@@ -167,6 +169,9 @@ def test_contacts_are_nested_and_where_the_vessel_is(searched):
     found = routes.contacts(tracks, searched)
     assert found[2, 1].all()
     assert found.sum() == len(routes.CONTACTS)
+    status = np.where(np.arange(PAIRS) == 2, Status.UNREACHABLE, searched.found.status)
+    without = replace(searched, found=replace(searched.found, status=status))
+    assert not routes.contacts(tracks, without).any()  # nobody sails where there is no path
 
 
 def test_columns_agree_with_the_route_they_are_of(searched):
