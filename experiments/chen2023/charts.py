@@ -13,6 +13,7 @@ from experiments.chen2023.published import DIGITS, ENDS, EXPANSION, TABLE_3
 from experiments.chen2023.routes import (
     ARCS,
     ARCS_3,
+    ARCS_WIDE,
     ASTAR,
     METHODS,
     SHORT_ARCS,
@@ -59,7 +60,7 @@ def _ratios(numbers: Numbers) -> Figure:
         for (reading, method), colour in zip(LITERAL.items(), _COLOURS, strict=True)
     ]
     named.append(("(shortened first, R = 15 m)", MAIN, SHORT_ARCS, (style.GREY, "*")))
-    fig = style.new_figure(style.DOUBLE_MM, 105)
+    fig = style.new_figure(style.DOUBLE_MM, 115)
     for ax, metric in zip(fig.subplots(1, 2), METRICS, strict=True):
         # What is printed takes the last place of each row.
         shifts = 0.9 * ((np.arange(len(named) + 1) + 0.5) / (len(named) + 1) - 0.5)
@@ -76,7 +77,7 @@ def _ratios(numbers: Numbers) -> Figure:
         Line2D([], [], color=colour, marker=marker, linestyle="", markersize=4, label=words)
         for words, _, _, (colour, marker) in named
     ]
-    style.outside_legend(fig, [*handles, *_printed_handles(METRICS["turning"])], columns=3)
+    style.outside_legend(fig, [*handles, *_printed_handles(METRICS["turning"])], columns=2)
     return style.settle(fig)
 
 
@@ -103,8 +104,7 @@ def _printed(ax: Axes, where: np.ndarray, values: Sequence[float], digits: str) 
 def _printed_handles(digits: Sequence[str]) -> list[Line2D]:
     look: dict[str, Any] = {"color": style.BLACK, "linestyle": "", "fillstyle": "none"}
     return [
-        Line2D([], [], marker=_PRINTED[d][0], label=f"published (digits of angles as {d})", **look)
-        for d in digits
+        Line2D([], [], marker=_PRINTED[d][0], label=f"published (as {d})", **look) for d in digits
     ]
 
 
@@ -231,9 +231,9 @@ def _corners(numbers: Numbers) -> Figure:
         (METHODS[name].words + ("" if label == MAIN else f", {label}"), row)
         for label, own in numbers["corners"].items()
         for name, row in own.items()
-        if row["corners"]
+        if row["corners"] and name != ARCS_WIDE.name  # it differs in arcs, not in templates
     ]
-    fig = style.new_figure(style.DOUBLE_MM, 32 + 9 * len(rows))
+    fig = style.new_figure(style.DOUBLE_MM, 25 + 9 * len(rows))
     ax = fig.subplots()
     left = np.zeros(len(rows))
     handles = []
@@ -247,7 +247,6 @@ def _corners(numbers: Numbers) -> Figure:
         f"{words}\n{100 * row['fitted'] / row['found']:.1f} % of paths whole" for words, row in rows
     ]
     ax.set_yticks(range(len(rows)), labels)
-    ax.invert_yaxis()
-    ax.set(xlim=(0, 100), xlabel="share of corners (%)")
+    ax.set(ylim=(len(rows) - 0.5, -0.5), xlim=(0, 100), xlabel="share of corners (%)")
     style.outside_legend(fig, handles, columns=4)
     return style.settle(fig)

@@ -377,7 +377,7 @@ def readings(numbers: Numbers) -> list[str]:
         f"Grid: {cell:g} m cells, blocked where they touch an island scaled by 1 + E about its "
         f"centre (Eq. 4), E = {EXPANSION:g}. Ends are the centres of their cells, at most "
         f"{cell * 0.7071:.1f} m off. A* is exact, 8-connected, and does not cut corners. Readings "
-        '"cells of 10 m" and "fewest turns" are of the same scenes on a coarser grid, and with '
+        '"10 m cells" and "fewest turns" are of the same scenes on a coarser grid, and with '
         "those of the shortest paths that have the fewest turns: which of them A* takes is not "
         "printed, and its turning hangs on it.",
         "Proposed: Algorithm 1 at the corners of A*'s own path, with Table 1's R_s = "

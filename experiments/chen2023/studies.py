@@ -40,7 +40,7 @@ OTHER_WATERS = tuple(
     )
 )
 OTHER_GRIDS = {
-    "cells of 10 m": replace(PRINTED, cell=10.0),
+    "10 m cells": replace(PRINTED, cell=10.0),
     "fewest turns": replace(PRINTED, turns="fewest"),
 }
 """Choices of the search that the paper leaves open: cell size, and which of the shortest paths."""

@@ -480,7 +480,7 @@ def test_the_program_writes_page_numbers_and_figures(tmp_path, monkeypatch):
     assert main(chen2023.PAPER, ["--quick"]) == 0
     folder = Path("runs/chen2023_quick")
     page = (folder / "README.md").read_text()
-    for words in ("| Row 2 |", "20 islands", "cells of 10 m", "| contradicts |", "Figs. 19 to 25"):
+    for words in ("| Row 2 |", "20 islands", "10 m cells", "| contradicts |", "Figs. 19 to 25"):
         assert words in page, words
     assert " nan" not in page
     for table in re.findall(r"(?:^\|.*\n)+", page, re.MULTILINE):
