@@ -39,6 +39,7 @@ LOOKS = {
     ARCS.name: style.Look(style.VERMILLION, "-", "*"),
     ARCS_3.name: style.Look(style.GREEN, "-.", "^"),
 }
+_NOTHING = {"low": None}
 _COLOURS = (style.VERMILLION, style.ORANGE, style.GREEN)
 _ROWS = [f"row {place}" for place in range(1, ROWS + 1)]
 
@@ -46,8 +47,8 @@ _ROWS = [f"row {place}" for place in range(1, ROWS + 1)]
 def draw_ratios(numbers: Numbers) -> Drawing:
     """The proposed path over the B-spline under every reading of it."""
     caption = (
-        "Proposed over B-spline of A*'s cells, rows of Table 3: geometric means over scenes with "
-        "95 % t intervals; in brackets the step of ours that does not count."
+        "Proposed over B-spline of A*'s cells, rows of Table 3, where they are of 20 scenes or "
+        "more: geometric means with 95 % t intervals; in brackets what does not count."
     )
     return Drawing("ratios", caption, _ratios(numbers))
 
@@ -66,7 +67,8 @@ def _ratios(numbers: Numbers) -> Figure:
         shifts = 0.9 * ((np.arange(len(named) + 1) + 0.5) / (len(named) + 1) - 0.5)
         for (_, label, method, look), shift in zip(named, shifts[:-1], strict=True):
             rows = numbers["compared"][label][method.name][SPLINE.name][1:]
-            _bars(ax, np.arange(ROWS) + shift, [row[metric]["ratio"] for row in rows], *look)
+            told = [row[metric]["ratio"] if row["n"] >= FEWEST else _NOTHING for row in rows]
+            _bars(ax, np.arange(ROWS) + shift, told, *look)
         for digits in METRICS[metric]:
             ratios = [row.ratio(metric, digits) for row in TABLE_3]
             _printed(ax, np.arange(ROWS) + shifts[-1], ratios, digits)
@@ -166,7 +168,7 @@ def _ranges(ax: Axes, values: np.ndarray, whole: np.ndarray, method: Method, shi
             low, high = np.quantile(own[ok], [tail, 1 - tail])
             figures.append({"value": own[ok].mean(), "low": low, "high": high})
         else:
-            figures.append({"low": None})
+            figures.append(_NOTHING)
     colour, _, marker = LOOKS[method.name]
     _bars(ax, np.arange(len(figures)) + shift, figures, colour, marker)
 

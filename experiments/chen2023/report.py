@@ -400,6 +400,6 @@ def readings(numbers: Numbers) -> list[str]:
         "search kept clear of. Beyond the map there is water.",
         "Routes of which a corner is left over are no proposed paths: they are counted, and left "
         "out of everything else. Comparisons are over scenes in which both have a path.",
-        "Intervals are 95 %: Wilson for shares of scenes, t over scenes for averages and for "
-        "shares of all routes (five a scene, which are not independent).",
+        "Intervals are 95 %: Wilson for shares of scenes, t over scenes for averages, bootstrap "
+        "over scenes for shares of all routes (five a scene, which are not independent).",
     ]

@@ -21,6 +21,7 @@ from experiments.chen2023.routes import (
     Method,
     degrees,
 )
+from experiments.chen2023.scenes import SEED
 from experiments.chen2023.studies import (
     COMPARED,
     EXPANSIONS,
@@ -33,7 +34,7 @@ from experiments.chen2023.studies import (
 )
 from experiments.estimates import LEVEL, mean, ratio, share, spread
 from experiments.runs import Columns, Found, Ran
-from usvjax.statistics import holm, paired_difference, paired_rates, wilson
+from usvjax.statistics import averages, holm, paired_difference, paired_rates, wilson
 from usvkernels.status import Status
 
 METRICS = {"length": ("decimals",), "turning": tuple(DIGITS)}
@@ -123,7 +124,7 @@ def scene_mean(values: np.ndarray, counted: np.ndarray) -> Row:
 
 
 def scene_rate(flags: np.ndarray, counted: np.ndarray) -> Row:
-    """The same of what is true or not.
+    """The same of what is true or not, with a bootstrap interval: it stays between 0 and 1.
 
     Where it never is, or always, the interval is Wilson's over the scenes: equal values have no
     spread.
@@ -131,7 +132,7 @@ def scene_rate(flags: np.ndarray, counted: np.ndarray) -> Row:
     shares = _within_scenes(flags, counted)
     if len(shares) and np.ptp(shares) == 0 and shares[0] in (0.0, 1.0):
         return asdict(wilson(round(shares.sum()), len(shares), LEVEL))
-    return mean(shares)
+    return asdict(averages(shares[:, None], LEVEL, [SEED])[0].mean)
 
 
 def _within_scenes(values: np.ndarray, counted: np.ndarray) -> np.ndarray:

@@ -268,6 +268,9 @@ def test_a_rate_of_none_has_the_interval_of_its_scenes():
     assert rate["value"] == 0.0
     assert rate["high"] == pytest.approx(tables.share(np.zeros(20, bool))["high"])
     assert tables.scene_rate(flags, flags)["value"] is None
+    counted = ~flags
+    flags[0, 0] = True  # of a hundred routes one
+    assert tables.scene_rate(flags, counted)["low"] >= 0.0
 
 
 def test_contacts_are_compared_scene_by_scene():
