@@ -10,7 +10,9 @@ from experiments.chen2023.published import (
     DIGITS,
     EXPANSION,
     SAFETY_RANGE,
+    SPEED,
     TABLE_3,
+    YAW_RATE,
 )
 from experiments.chen2023.routes import (
     ARCS,
@@ -386,7 +388,8 @@ def readings(numbers: Numbers) -> list[str]:
         'algorithm", and Algorithm 1 goes from turning point to turning point; no step removes '
         "points by lines of sight. Such a shortening before it is ours, so it stands beside and "
         "does not count. R = 15 m is Table 1's u/r, R = 3 m its R; both count. At a corner of "
-        f"45 deg, R_s makes an arc of {SAFETY_RANGE / tan(pi / 8):.1f} m where there is room. "
+        f"45 deg, R_s makes an arc of {SAFETY_RANGE / tan(pi / 8):.1f} m where there is room, and Eq. 6 "
+        f"an R of {SPEED * (pi / 4) / (2 * YAW_RATE):.1f} m, between the two. "
         "`docs/equations.md` has the three templates. Post-order traversal is read as following "
         "parent pointers.",
         "A* + B-spline: a clamped cubic B-spline; which points control it is not printed. Taken "
