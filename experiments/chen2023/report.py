@@ -388,8 +388,8 @@ def readings(numbers: Numbers) -> list[str]:
         'algorithm", and Algorithm 1 goes from turning point to turning point; no step removes '
         "points by lines of sight. Such a shortening before it is ours, so it stands beside and "
         "does not count. R = 15 m is Table 1's u/r, R = 3 m its R; both count. At a corner of "
-        f"45 deg, R_s makes an arc of {SAFETY_RANGE / tan(pi / 8):.1f} m where there is room, and Eq. 6 "
-        f"an R of {SPEED * (pi / 4) / (2 * YAW_RATE):.1f} m, between the two. "
+        f"45 deg, R_s makes an arc of {SAFETY_RANGE / tan(pi / 8):.1f} m where there is room, and "
+        f"Eq. 6 an R of {SPEED * (pi / 4) / (2 * YAW_RATE):.1f} m, between the two. "
         "`docs/equations.md` has the three templates. Post-order traversal is read as following "
         "parent pointers.",
         "A* + B-spline: a clamped cubic B-spline; which points control it is not printed. Taken "
