@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from itertools import chain
+from itertools import chain, groupby
 from typing import TYPE_CHECKING, Any
 
 import usvjax as uj
 from experiments import claims
-from usvjax.report import Bullets, Picture, Section
+from usvjax.report import Bullets, Picture, Section, Sheet
 
 if TYPE_CHECKING:
     from experiments.paper import Done, Options, Paper
@@ -17,6 +17,9 @@ NOTE = (
     '"not excluded" claim passed a test that could only have excluded it. Readings in brackets do '
     "not count, such as what was chosen after the fact to come near to the claim."
 )
+
+MOST_COLUMNS = 10
+"""Of the table of verdicts; of more readings, each has a line of its own below."""
 
 
 def settings(options: "Options") -> dict[str, Any]:
@@ -60,7 +63,7 @@ def _part(done: "Done") -> list[Section]:
     found = [
         Section(
             "Verdicts",
-            [claims.sheet(verdicts), NOTE, Bullets(claims.tests(verdicts))],
+            [*_sheets(verdicts), NOTE, Bullets(claims.tests(verdicts))],
         ),
         Section("How the paper was read", [Bullets(done.part.readings(done.numbers))]),
         *done.part.sections(done.numbers),
@@ -69,3 +72,20 @@ def _part(done: "Done") -> list[Section]:
         pictures = [Picture(f"figures/{name}", caption) for name, caption in done.drawings]
         found.append(Section("Figures", pictures))
     return found
+
+
+def _sheets(verdicts: Sequence[claims.Verdict]) -> list[Sheet]:
+    """Verdicts with a column per reading, or, of many, what was found in lines below them."""
+    sheet = claims.sheet(verdicts)
+    if len(sheet.header) <= MOST_COLUMNS:
+        return [sheet]
+    (lines,) = claims.section(verdicts).parts
+    assert isinstance(lines, Sheet)
+    rows = []
+    for _, group in groupby(lines.rows, key=lambda row: row[0]):
+        first, *others = group
+        rows += [list(first), *(["", *row[1:]] for row in others)]
+    return [
+        Sheet("", sheet.header[:3], [row[:3] for row in sheet.rows], words=3),
+        Sheet("Under every reading:", ["The paper", *lines.header[1:]], rows, words=3),
+    ]

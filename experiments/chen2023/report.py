@@ -1,228 +1,408 @@
-"""The report on path planning in Chen et al. 2023 as Markdown: a summary first, then all tables."""
+"""The page on path planning in Chen et al. 2023: its tables, readings and findings, written."""
 
+from collections.abc import Mapping
+from math import pi, tan
 from typing import Any
 
-from experiments.chen2023.published import EXPANSION, TABLE_3
-from experiments.chen2023.routes import ASTAR, MARGIN, PRINTED, PROPOSED, SPLINE
-from experiments.chen2023.sections import (
-    arithmetic,
-    compared,
-    corners,
-    expansions,
-    of_method,
-    percent,
-    sailing,
-    timing,
-    waters,
+from experiments.chen2023.claims import LITERAL
+from experiments.chen2023.published import (
+    ALGORITHMS,
+    DIGITS,
+    EXPANSION,
+    SAFETY_RANGE,
+    SPEED,
+    TABLE_3,
+    YAW_RATE,
 )
-from experiments.markdown import bullets, grid
+from experiments.chen2023.routes import (
+    ARCS,
+    ARCS_3,
+    ASTAR,
+    CONTACTS,
+    MARGIN,
+    METHODS,
+    SHORT_ARCS,
+    SPLINE,
+)
+from experiments.chen2023.scenes import CLEAR, SIDE
+from experiments.chen2023.studies import MAIN, PRINTED
+from experiments.chen2023.tables import METRICS
+from experiments.claims import Numbers
+from usvjax.report import Section, Sheet
+from usvjax.report.numbers import ends, fixed, interval, listed, p_value, percent
 
-Row = dict[str, Any]
+PLACES = ("Scene 1", "Row 1 (Scene 2)", "Row 2", "Row 3", "Row 4")
+Row = Mapping[str, Any]
+_STAGES = {
+    "search": "A*",
+    "shortening": "Shortening",
+    "spline": "B-spline",
+    "arcs": "Algorithm 1, R = 15 m",
+    "arcs_3": "Algorithm 1, R = 3 m",
+    "arcs_shortened": "Algorithm 1 after shortening, R = 15 m",
+}
+_WHOLE = {"bspline": "A* + B-spline"} | {m.name: m.words for m in (ARCS, ARCS_3, SHORT_ARCS)}
 
 
-def markdown(found: Row) -> str:
-    """Write the report.
-
-    Args:
-        found: all results, as in results.json.
-
-    Returns:
-        The text, ending in a newline.
-    """
-    scenes = f"{found['settings']['main']['scenes']:,}"
-    parts = [
-        "# Chen et al. 2023: A* smoothed to a vessel's turning circle",
-        "Figs. 15 to 18 and Tables 1 to 3 on scenes of ours with the printed start and end "
-        f"points, published values beside them; then the same on {scenes} scenes. Hunting (Figs. "
-        "19 to 25) is not part of this report. Written by `usvjax reproduce chen2023`; all "
-        "numbers are in `results.json`.",
-        "## Summary\n\n" + bullets(_summary(found)),
-        "## Verdict on each figure and table\n\n" + _verdicts(found),
-        "## How the paper was read\n\n" + bullets(_readings(found)),
-        "## Figs. 15 and 16: sailing the paths\n\n" + sailing(found),
-        "## Which expansion lets the vessel hit an island\n\n" + expansions(found),
-        "## Corners and curvature\n\n" + corners(found),
-        "## Tables 2 and 3: length and turning\n\n" + compared(found),
-        "## Tables 2 and 3: planning time\n\n" + timing(found),
-        "## Lengths on other waters\n\n" + waters(found),
-        "## The paper's own arithmetic\n\n" + arithmetic(found),
-        "## Figures\n\n" + _figures(found),
+def sections(numbers: Numbers) -> list[Section]:
+    """All tables."""
+    found = [
+        _sailing(numbers),
+        _expansions(numbers),
+        _corners(numbers),
+        _values(numbers),
+        _differences(numbers),
+        _timing(numbers),
     ]
-    return "\n\n".join(parts) + "\n"
+    return [*found, _waters(numbers)]
 
 
-def _summary(found: Row) -> list[str]:
-    lines = [
-        _sailed(found),
-        _why_no_hit(found),
-        _smoothing(found),
-        _ratios(found),
-        _time_words(found),
-        _contradictions(found),
+def _sailing(numbers: Numbers) -> Section:
+    rows = [
+        [
+            METHODS[name].words,
+            f"{row['ok']:,} of {row['routes']:,}",
+            *(interval(row["contacts"][kind]["scenes"], 100, digits=2) for kind in CONTACTS),
+            f"{row['not_arrived']:,}",
+            interval(row["error"], digits=2),
+            fixed(row["most_error"], 1),
+        ]
+        for name, row in numbers["sailing"][EXPANSION].items()
     ]
-    return [line for line in lines if line]
+    header = ["Path", "Routes", *(f"On or in {words} (%)" for words in CONTACTS.values())]
+    header += ["Not arrived", "Largest distance from the path, mean (m)", "of all (m)"]
+    by_pair = [
+        [
+            METHODS[name].words,
+            *(interval(p, 100, digits=1) for p in row["contacts"]["left"]["pairs"]),
+        ]
+        for name, row in numbers["sailing"][EXPANSION].items()
+    ]
+    paired = [
+        [
+            f"{METHODS[name].words}: {CONTACTS[kind]}",
+            *(
+                f"{interval(entry['difference'], 100, True, 1)}, p {p_value(entry['p_holm'])}"
+                for entry in entries
+            ),
+        ]
+        for name, kinds in numbers["against_astar"].items()
+        for kind, entries in kinds.items()
+    ]
+    return Section(
+        "Figs. 15 and 16: sailing the paths",
+        [
+            f"{_scenes(numbers):,} scenes, five pairs of ends, islands searched at E = "
+            f"{EXPANSION:g}. Routes are those found and, for the proposed ones, smoothed whole.",
+            Sheet("", header, rows),
+            Sheet("On a cell kept clear of, by pair of ends (%):", ["Path", *PLACES], by_pair),
+            Sheet(
+                "Proposed against A*, in the scenes where it is whole: difference in points with "
+                "the Agresti-Min interval, p of McNemar's test, Holm-corrected over the pairs.",
+                ["On or in", *PLACES],
+                paired,
+            ),
+        ],
+    )
 
 
-def _sailed(found: Row) -> str:
+def _scenes(numbers: Numbers) -> int:
+    return int(numbers["sailing"][EXPANSION][ASTAR.name]["scenes"])
+
+
+def _expansions(numbers: Numbers) -> Section:
+    names = list(dict.fromkeys(name for own in numbers["sailing"].values() for name in own))
+    swept = [name for name in names if all(name in own for own in numbers["sailing"].values())]
+    rows = [
+        [
+            METHODS[name].words,
+            f"{expansion:g}",
+            f"{row['scenes']:,}",
+            f"{row['ok']:,} of {row['routes']:,}",
+            *(interval(row["contacts"][kind]["scenes"], 100, digits=2) for kind in CONTACTS),
+            interval(row["error"], digits=2),
+        ]
+        for name in swept
+        for expansion in sorted(numbers["sailing"])
+        for row in [numbers["sailing"][expansion][name]]
+    ]
+    header = ["Path", "E", "Scenes", "Routes", *(f"On or in {w} (%)" for w in CONTACTS.values())]
+    header += ["Largest distance, mean (m)"]
+    return Section("Which expansion lets the vessel hit an island", [Sheet("", header, rows)])
+
+
+def _corners(numbers: Numbers) -> Section:
+    rows = [
+        [
+            f"{METHODS[name].words}{_grid(label)}",
+            f"{row['corners']:,}",
+            *(percent(count / max(row["corners"], 1)) for count in row["templates"].values()),
+            f"{row['fitted']:,} of {row['found']:,}",
+            interval(row["fitted_scenes"], 100, digits=1),
+            interval(row["all_five"], 100, digits=1),
+        ]
+        for label, own in numbers["corners"].items()
+        for name, row in own.items()
+    ]
+    words = [f"{name} (%)" for name in ("Template 1", "Template 2", "Template 3", "None")]
+    header = ["Path", "Corners", *words, "Paths whole", "(%)", "All five of a scene (%)"]
+    bends = [
+        [
+            METHODS[name].words,
+            fixed(row["median_15"], 2),
+            fixed(row["most"] * 15 / METHODS[name].radius, 3),
+            fixed(row["most"], 6) if METHODS[name].smoothing == "arcs" else "-",
+            interval(row["too_tight_share"], 100, digits=1),
+        ]
+        for name, row in numbers["bends"].items()
+    ]
+    bend_header = ["Path", "Largest curvature x 15 m: median", "of all"]
+    bend_header += ["Largest of all x its own R", "Paths above r/u = 1/15 m (%)"]
+    return Section(
+        "Corners and curvature",
+        [
+            "Template 1 is the arc inside the corner, 2 the late wide turn, 3 the early one.",
+            Sheet("", header, rows),
+            "Straight segments have no curvature at their corners that a bound could hold for; "
+            "of the others:",
+            Sheet("", bend_header, bends),
+        ],
+    )
+
+
+def _grid(label: str) -> str:
+    """What a condition adds to the words of a method."""
+    return "" if label == MAIN else f", {label}"
+
+
+def _values(numbers: Numbers) -> Section:
+    lengths, turning = [], []
+    for name in ALGORITHMS:
+        words = f"**{'B-spline' if name == 'bspline' else 'Proposed'}, published**"
+        printed = [row.of(name) for row in TABLE_3]
+        over = [own.length / row.straight for own, row in zip(printed, TABLE_3, strict=True)]
+        lengths.append([words, "-", *(fixed(value, 3) for value in over)])
+        turning += [
+            [f"{words}, digits as {d}", "-", *(fixed(own.degrees(d), 0) for own in printed)]
+            for d in DIGITS
+        ]
+    for name, own in numbers["turning"].items():
+        words = METHODS[name].words
+        entries = numbers["lengths"][MAIN][name]
+        lengths.append([words, *(_spread(entry["over_straight"], 3) for entry in entries)])
+        turning.append([words, *(_spread(figure, 0) for figure in own)])
+    counts = [
+        [METHODS[name].words, *(f"{row['n']:,}" for row in numbers["lengths"][MAIN][name])]
+        for name in numbers["turning"]
+    ]
+    return Section(
+        "Tables 2 and 3: length and turning",
+        [
+            "Means over the scenes in which a path is whole, and in brackets the range of 95 % of "
+            "these scenes. Few paths of A* are smoothed whole at R = 15 m between far ends, and "
+            "those have few corners: their means are of other scenes than the rest.",
+            Sheet("Length over the straight line:", ["Path", *PLACES], lengths),
+            Sheet("Total turning angle (deg):", ["Path", *PLACES], turning),
+            Sheet("Scenes:", ["Path", *PLACES], counts),
+        ],
+    )
+
+
+def _spread(figure: Row, digits: int) -> str:
+    return f"{fixed(figure['value'], digits)} {ends(figure, digits)}"
+
+
+def _differences(numbers: Numbers) -> Section:
+    parts: list[str | Sheet] = [
+        "The same route by both, in the scenes in which the proposed path is whole: geometric "
+        "mean of the ratios with its t interval, scenes in brackets. Differences, p-values "
+        "(t and Wilcoxon, Holm-corrected over the pairs) and shares are in `results.json`."
+    ]
+    for metric, digits in (("length", 3), ("turning", 2)):
+        table = [
+            [f"**Published**{_as(metric, d)}", "-", "-", *_printed_ratios(metric, d, digits)]
+            for d in METRICS[metric]
+        ]
+        table += [
+            [
+                f"{METHODS[ours].words}{_grid(label)}",
+                METHODS[spline].words,
+                *(f"{interval(e[metric]['ratio'], digits=digits)} ({e['n']:,})" for e in entries),
+            ]
+            for label, compared in numbers["compared"].items()
+            for ours, splines in compared.items()
+            for spline, entries in splines.items()
+        ]
+        title = f"Ratio of {'lengths' if metric == 'length' else 'turning angles'}:"
+        parts.append(Sheet(title, ["Path", "over", *PLACES], table, words=2))
+    return Section("Tables 2 and 3: proposed over B-spline", parts)
+
+
+def _as(metric: str, digits: str) -> str:
+    return f", digits as {digits}" if metric == "turning" else ""
+
+
+def _printed_ratios(metric: str, reading: str, digits: int) -> list[str]:
+    return [fixed(row.ratio(metric, reading), digits) for row in TABLE_3]
+
+
+def _timing(numbers: Numbers) -> Section:
+    times = numbers["timing"]
+    columns = [times["batch"], *times["single"]]
+    alone = 1000.0 / times["paths"]
+    scales = [alone, *[1000.0] * len(times["single"])]
+
+    def line(words: str, of: str, name: str) -> list[str]:
+        found = (fixed(c[of][name], 3, s) for c, s in zip(columns, scales, strict=True))
+        return [words, *found]
+
+    rows = [line(words, "stages", stage) for stage, words in _STAGES.items()]
+    rows += [line(f"**{words}**", "whole", name) for name, words in _WHOLE.items()]
+    rows += [
+        [f"{words} over A* + B-spline", *(fixed(c["ratio"][name], 2) for c in columns)]
+        for name, words in _WHOLE.items()
+        if name != "bspline"
+    ]
+    for name, words in (("bspline", "A* + B-spline"), ("proposed", "Proposed")):
+        printed = (fixed(row.of(name).time, 0, 1000.0) for row in TABLE_3)
+        rows.append([f"**{words}, published**", "-", "-", *printed])
+    ratios = (fixed(row.ratio("time"), 2) for row in TABLE_3)
+    rows.append(["**Proposed over B-spline, published**", "-", "-", *ratios])
+    return Section(
+        "Tables 2 and 3: planning time",
+        [
+            f"Milliseconds a path, medians of {times['batch']['repeats']} repeats, compilation "
+            f"left out: {times['paths']:,} paths in one call, and one path a call in scene 0. "
+            "Times depend on the machine and what else it does; the ratios much less. The paper's "
+            "are from a Core i5-10200H inside Unity3D.",
+            Sheet("", ["Stage", "Many at once", *PLACES], rows),
+        ],
+    )
+
+
+def _waters(numbers: Numbers) -> Section:
+    rows = [
+        [
+            f"{METHODS[name].words}; {PRINTED.words if label == MAIN else label}",
+            *(f"{_spread(row['over_straight'], 3)} ({row['n']:,})" for row in own[name]),
+        ]
+        for name in (ASTAR.name, ARCS.name, ARCS_3.name, SHORT_ARCS.name)
+        for label, own in numbers["lengths"].items()
+    ]
+    published = (fixed(row.proposed.length / row.straight, 3) for row in TABLE_3)
+    rows.append(["**Proposed, published**", "-", *published])
+    text = (
+        "Length over the straight line: mean [95 % of scenes] (scenes in which the path is whole)."
+    )
+    return Section("Lengths on other waters", [text, Sheet("", ["Path", *PLACES], rows)])
+
+
+def summary(numbers: Numbers) -> list[str]:
+    """The most important findings besides the verdicts."""
+    return [_literal(numbers), _sailed(numbers), _smoothing(numbers), _expansion(numbers)]
+
+
+def _literal(numbers: Numbers) -> str:
+    def ratios(label: str, name: str, metric: str, digits: int) -> str:
+        rows = numbers["compared"][label][name][SPLINE.name][1:]
+        return listed((row[metric]["ratio"]["value"] for row in rows), digits)
+
+    def both(label: str, name: str) -> str:
+        return f"{ratios(label, name, 'length', 3)}; {ratios(label, name, 'turning', 2)}"
+
+    words = [
+        f"{reading}{_grid(label)}: {both(label, method.name)}"
+        for label in numbers["compared"]
+        for reading, method in LITERAL.items()
+    ]
+    return (
+        "**Length; turning**, proposed over B-spline of A*'s cells, rows 1 to 4 of Table 3. "
+        f"Published: {listed((row.ratio('length') for row in TABLE_3), 3)}; "
+        f"{listed((row.ratio('turning') for row in TABLE_3), 2)}. {'. '.join(words)}. With a "
+        "shortening by lines of sight before Algorithm 1, of which the paper says nothing: "
+        f"{both(MAIN, SHORT_ARCS.name)}."
+    )
+
+
+def _sailed(numbers: Numbers) -> str:
+    main = numbers["sailing"][EXPANSION]
     rates = {
-        method.name: ", ".join(
-            percent(of_method(found["sailing"], method.name)[f"{kind}_scenes"], 2)
-            for kind in ("left", "entered", "hit")
+        method.name: listed(
+            (main[method.name]["contacts"][k]["scenes"]["value"] for k in CONTACTS), 2, 100
         )
-        for method in (ASTAR, PROPOSED, PRINTED)
+        for method in (ASTAR, ARCS, ARCS_3)
     }
     return (
-        f"**Sailing**, at E = {EXPANSION:g}. On the path of A* the vessel is at some time on a "
-        "cell kept clear of, in an expanded island, in an island itself on "
-        f"{rates[ASTAR.name]} % of routes. On the proposed path with R = u/r = 15 m it is "
-        f"{rates[PROPOSED.name]} %, and with the printed R = 3 m, which the vessel cannot turn, "
-        f"{rates[PRINTED.name]} %. Arcs keep {MARGIN:g} m off cells; straight legs may pass "
+        f"**Sailing**, at E = {EXPANSION:g}: shares of routes (%) on which the vessel is at some "
+        f"time on or in {', '.join(CONTACTS.values())}. A*: {rates[ASTAR.name]}. Proposed with "
+        f"R = u/r = 15 m: {rates[ARCS.name]}; with the printed R = 3 m, which the vessel cannot "
+        f"turn: {rates[ARCS_3.name]}. Arcs keep {MARGIN:g} m off cells; straight legs may pass "
         "them by centimetres, which no helmsman holds."
     )
 
 
-def _why_no_hit(found: Row) -> str:
-    rows = [row for row in found["expansions"] if row["method"] == ASTAR.name]
+def _smoothing(numbers: Numbers) -> str:
+    rows = numbers["corners"][MAIN]
+    shares = {name: interval(rows[name]["fitted_scenes"], 100, digits=1) for name in rows}
+    return (
+        f"**Smoothing.** Algorithm 1 smooths {shares[ARCS.name]} % of A*'s paths whole with "
+        f"R = 15 m, whose corners stand a cell or two apart, and {shares[ARCS_3.name]} % with "
+        f"R = 3 m; {shares[SHORT_ARCS.name]} % with R = 15 m once they are shortened. No path "
+        "that it makes bends more than 1/R."
+    )
+
+
+def _expansion(numbers: Numbers) -> str:
     shown = [
-        f"{100 * row['touched_scenes']['value']:.1f} % ({100 * row['hit_scenes']['value']:.1f} %) "
-        f"at E = {row['expansion']:g}"
-        for row in rows
-        if row["hit_scenes"]["value"] is not None
+        f"{percent(row['contacts']['touched']['scenes']['value'], 1)} % "
+        f"({percent(row['contacts']['hit']['scenes']['value'], 1)} %) at E = {expansion:g}"
+        for expansion in sorted(numbers["sailing"])
+        for row in [numbers["sailing"][expansion][ASTAR.name]]
     ]
-    if not shown:
-        return ""
     return (
         f"**Expansion.** The printed E = {EXPANSION:g} makes islands {1 + EXPANSION:g} times as "
-        "wide, more room than a vessel needs that cannot follow a corner. Searched with less, it "
-        "is on a cell of an island (in the island, which is narrower than its cells) on "
+        "wide, more room than a vessel needs that cannot follow a corner of A*'s path. It is on a "
+        "cell of an island (in the island, which is narrower than its cells) on "
         f"{', '.join(shown)} of routes: the collision of Fig. 15 needs obstacles that are hardly "
         "expanded or very small, or a map whose cells count as obstacle."
     )
 
 
-def _smoothing(found: Row) -> str:
-    rows = {row["method"]: row for row in found["corners"]}
-    shortened, direct = rows[PROPOSED.name], rows["direct"]
-    return (
-        f"**Smoothing.** With R = 15 m Algorithm 1 smooths {percent(shortened['fitted_scenes'])} "
-        f"% of paths whole once they are shortened by lines of sight, and "
-        f"{percent(direct['fitted_scenes'])} % of A*'s own, whose corners stand a cell or two "
-        "apart. No path that it makes bends more than 1/R."
-    )
-
-
-def _ratios(found: Row) -> str:
-    rows = [row for row in found["compared"] if row["published"] is not None]
-    if any(row["n"] == 0 for row in rows):
-        return ""
-
-    def means(metric: str, digits: int) -> str:
-        own = [row["splines"][SPLINE.name][metric]["ratio"]["mean"]["value"] for row in rows]
-        return ", ".join(f"{value:.{digits}f}" for value in own)
-
-    lengths = ", ".join(f"{row['published']['ratio']['length']:.3f}" for row in rows)
-    angles = ", ".join(f"{row['published']['ratio']['turning_deg']:.2f}" for row in rows)
-    both = _readings_of_both(found)
-    return (
-        f"**Length and turning.** Proposed over B-spline (of all of A*'s cells): length "
-        f"{means('length', 3)} on average, published {lengths}; turning {means('turning', 2)}, "
-        f"published {angles}. With a spline of fewer points the length is much the same or the "
-        "spline is the shorter one, and it leaves the water that was searched. Readings under "
-        f"which both printed ratios are met: {', '.join(both) if both else 'none'}."
-    )
-
-
-def _readings_of_both(found: Row) -> list[str]:
-    """Readings of the B-spline under which length and turning are as printed."""
-    printed = [row["found"] for row in found["verdicts"] if "by as much as" in row["claim"]]
-    return [label for label in printed[0] if all(row[label]["holds"] for row in printed)]
-
-
-def _time_words(found: Row) -> str:
-    single = found["timing"]["single"][1:]
-    ratios = ", ".join(f"{row['a_proposed'] / row['a_bspline']:.2f}" for row in single)
-    published = ", ".join(f"{row.proposed.time / row.bspline.time:.2f}" for row in TABLE_3)
-    slowest = max(row["a_proposed"] for row in single)
-    return (
-        f"**Time.** Proposed over B-spline: {ratios}, published {published}. The paper's gain is "
-        "its tree traversal in place of enumeration; here both follow parent pointers back from "
-        f"the goal. A single path takes {1000 * slowest:.0f} ms at most, published 618 to 751 ms."
-    )
-
-
-def _contradictions(found: Row) -> str:
-    checks = found["arithmetic"]
-    against = sum(check["verdict"] == "contradicts" for check in checks)
-    return (
-        f"**The paper's own numbers** contradict each other in {against} of {len(checks)} checks: "
-        "R = 3 m is not u/r = 15 m; with the angles' digits as decimals, row 2 of Table 3 is "
-        "longer than any path of so little turning; as minutes, its proposed path turns more than "
-        "the B-spline."
-    )
-
-
-def _verdicts(found: Row) -> str:
-    words = {True: "yes", False: "no", None: "-"}
-    rows = [
-        [
-            row["claim"],
-            row["published"],
-            f"**{row['verdict']}**",
-            "<br>".join(
-                f"{label}: {words[finding['holds']]}, {finding['numbers']}"
-                for label, finding in row["found"].items()
-            ),
-        ]
-        for row in found["verdicts"]
-    ]
-    note = (
-        "A figure's event reproduces when it happens on at least half of the routes, and its "
-        "absence when it happens on none. Printed ratios and lengths "
-        "reproduce when they lie where those of 95 % of our scenes do; differences when the mean "
-        "over scenes differs from 0 at 5 % (t-test, Holm-corrected). Readings that differ make "
-        'the verdict "depends on the reading". Under 20 scenes nothing is judged.'
-    )
-    return grid(["The paper", "Published", "Verdict", "By reading"], rows) + "\n\n" + note
-
-
-def _readings(found: Row) -> list[str]:
-    settings = found["settings"]
-    side, cell = settings["side"], settings["cell"]
+def readings(numbers: Numbers) -> list[str]:
+    """How the paper was read."""
+    cell = numbers["drawn"]["cell"]
     return [
-        f"Scenes: {settings['main']['words']}, drawn from a seed on x, y in [-450, 450] m; an "
-        "island is an octagon on an ellipse. The water reaches to "
-        f"+-{side / 2:g} m, since the printed end point (347, -451) lies beyond 450. The paper "
-        "prints no map, no number or size of obstacles and no cell size. Starts and ends keep "
-        "20 m from every expanded island.",
+        f"Scenes: {PRINTED.words}, drawn from a seed on x, y in [-450, 450] m; an island is an "
+        f"octagon on an ellipse. The water reaches to +-{SIDE / 2:g} m, since the printed end "
+        "point (347, -451) lies beyond 450. The paper prints no map, no number or size of "
+        f"obstacles and no cell size. Starts and ends keep {CLEAR:g} m from every expanded island.",
         f"Grid: {cell:g} m cells, blocked where they touch an island scaled by 1 + E about its "
         f"centre (Eq. 4), E = {EXPANSION:g}. Ends are the centres of their cells, at most "
-        f"{cell * 0.7071:.1f} m off. A* is exact, 8-connected, and does not cut corners.",
-        "Proposed: A*, shortened by lines of sight (an arc needs room between corners), corners "
-        "by Algorithm 1 with R_s = 2 R as in Table 1. R = 15 m = u/r unless said otherwise; the "
-        "printed R = 3 m beside it. `docs/equations.md` has the three templates. Post-order "
-        "traversal is read as following parent pointers.",
+        f"{cell * 0.7071:.1f} m off. A* is exact, 8-connected, and does not cut corners. Readings "
+        '"10 m cells" and "fewest turns" are of the same scenes on a coarser grid, and with '
+        "those of the shortest paths that have the fewest turns: which of them A* takes is not "
+        "printed, and its turning hangs on it.",
+        "Proposed: Algorithm 1 at the corners of A*'s own path, with Table 1's R_s = "
+        f"{SAFETY_RANGE:g} m; as R_s is 2 R there, with R_s = 2 R as well. "
+        'Eq. 5 and the text call what is smoothed "the planning path of the traditional A* '
+        'algorithm", and Algorithm 1 goes from turning point to turning point; no step removes '
+        "points by lines of sight. Such a shortening before it is ours, so it stands beside and "
+        "does not count. R = 15 m is Table 1's u/r, R = 3 m its R; both count. At a corner of "
+        f"45 deg, R_s makes an arc of {SAFETY_RANGE / tan(pi / 8):.1f} m where there is room, and "
+        f"Eq. 6 an R of {SPEED * (pi / 4) / (2 * YAW_RATE):.1f} m, between the two. "
+        "`docs/equations.md` has the three templates. Post-order traversal is read as following "
+        "parent pointers.",
         "A* + B-spline: a clamped cubic B-spline; which points control it is not printed. Taken "
-        "are all cells of A*'s path; its corners and the shortened path's points beside them.",
+        "are all cells of A*'s path, and its corners; the points of the shortened path beside.",
+        "Total turning angles are printed like 161 deg 1548': four digits after the degree sign "
+        "that are no minutes of arc. They are read as decimals of a degree and as minutes; as "
+        "minutes, row 2 says that the proposed path turns more.",
         "Vessel: a point at 15 m/s and at most 1 rad/s (Table 1) that steers by the path's "
         "curvature and corrects what it is off, control period 0.05 s. At every period it is asked "
         "whether the vessel is in an island, in one scaled by 1 + E, and on a cell that the "
         "search kept clear of. Beyond the map there is water.",
         "Routes of which a corner is left over are no proposed paths: they are counted, and left "
         "out of everything else. Comparisons are over scenes in which both have a path.",
-        "Intervals are 95 %: Wilson for shares of scenes, bootstrap over scenes for averages and "
-        "for shares of all routes (five a scene, which are not independent).",
+        "Intervals are 95 %: Wilson for shares of scenes, t over scenes for averages, bootstrap "
+        "over scenes for shares of all routes (five a scene, which are not independent).",
     ]
-
-
-def _figures(found: Row) -> str:
-    lines = [
-        f"`figures/{entry['name']}.png`: {entry['title']}, scene {entry['scene']}, the first in "
-        f"which {entry['why']} and the proposed path is whole; {entry['scene']} passed over."
-        for entry in found["shown"]
-    ]
-    lines += [
-        "`figures/monte_carlo.png`: contacts by expansion, distance from the path, length and "
-        "turning by pair of ends.",
-        "`figures/corners.png`: corners by template.",
-    ]
-    return bullets(lines)

@@ -1,30 +1,51 @@
 """Routes through scenes: searched, smoothed in every way compared, and sailed."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
+from functools import cached_property
 from math import pi
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-from experiments.chen2023.published import ENDS, PRINTED_RADIUS, SPEED, TURNING_RADIUS, YAW_RATE
-from experiments.chen2023.scenes import CELL, ORIGIN, Scenes, on_blocked, to_cells, to_points
-from usvjax.paths.metrics import path_metrics
+from experiments.chen2023.published import (
+    ENDS,
+    PRINTED_RADIUS,
+    SAFETY_RANGE,
+    SPEED,
+    YAW_RATE,
+)
+from experiments.chen2023.scenes import (
+    ORIGIN,
+    Scenes,
+    Waters,
+    draw_scenes,
+    on_blocked,
+    to_cells,
+    to_points,
+)
+from usvjax.missions.route.finish import length_and_turning
 from usvjax.paths.smoothing import KeyPaths, bspline, shorten
 from usvjax.paths.tracking import Tracks, track_paths
-from usvjax.paths.turns import SmoothTurns, smooth_turns
+from usvjax.paths.turns import smooth_turns
 from usvjax.search.astar import AstarResult, astar
 from usvkernels.paths.tracking import TrackParams
 from usvkernels.paths.turning import Turn
 from usvkernels.status import Status
 
+PAIRS = len(ENDS)
+TURNING_RADIUS = SPEED / YAW_RATE  # m, of the circle that Table 1's speed and yaw rate make
 SPACING = 1.0  # m, of samples along smoothed paths
 SPLINE_SAMPLES = 1000
 MARGIN = 0.5  # m, that arcs keep to blocked cells
 NO_TURN = 1e-6  # rad
+FEW_TURNS = 1e-3  # cells per 45 degrees: decides between paths that are equally long, and no more
 
-Record = TypeVar("Record", AstarResult, KeyPaths)
-
-TEMPLATES = (Turn.INSIDE, Turn.LATE, Turn.EARLY, Turn.UNFITTED)
+TEMPLATES = {
+    "inside": Turn.INSIDE,
+    "late": Turn.LATE,
+    "early": Turn.EARLY,
+    "unfitted": Turn.UNFITTED,
+}
 """How corners are counted."""
 
 CONTACTS = {
@@ -41,12 +62,13 @@ class Method:
     """A way from a grid to a path that is sailed.
 
     Attributes:
-        name: short, for results.json and the looks of figures.
+        name: short, for studies and results.json.
         words: for tables.
         base: "astar", the cells that A* returns; "corners", those at which it turns; or
             "shortened" by lines of sight.
         smoothing: "none", "bspline" or "arcs".
-        radius: R of the arcs, m; R_s is twice that, as in Table 1.
+        radius: R of the arcs, m.
+        safety: R_s, how far from a corner they leave the path where they can, m.
         yaw_rate: of the vessel that sails it, rad/s.
     """
 
@@ -55,64 +77,63 @@ class Method:
     base: str
     smoothing: str
     radius: float = TURNING_RADIUS
+    safety: float = SAFETY_RANGE
     yaw_rate: float = YAW_RATE
 
 
 ASTAR = Method("astar", "A*", "astar", "none")
 SHORTENED = Method("shortened", "A*, shortened", "shortened", "none")
-SPLINE = Method("bspline", "A* + B-spline", "astar", "bspline")
-CORNER_SPLINE = Method("bspline_corners", "A* + B-spline of corners", "corners", "bspline")
-KEY_SPLINE = Method("bspline_shortened", "A*, shortened + B-spline", "shortened", "bspline")
-PROPOSED = Method("smoothed", "Proposed, R = 15 m", "shortened", "arcs")
-PRINTED = Method("smoothed_3", "Proposed, R = 3 m", "shortened", "arcs", radius=PRINTED_RADIUS)
+SPLINE = Method("bspline", "A* + B-spline of its cells", "astar", "bspline")
+CORNER_SPLINE = Method("bspline_corners", "A* + B-spline of its corners", "corners", "bspline")
+SHORT_SPLINE = Method("bspline_shortened", "A*, shortened + B-spline", "shortened", "bspline")
+ARCS = Method("arcs", "Proposed, R = 15 m", "astar", "arcs")
+ARCS_WIDE = Method(
+    "arcs_wide",
+    "Proposed, R = 15 m, R_s = 2 R",
+    "astar",
+    "arcs",
+    safety=TURNING_RADIUS * SAFETY_RANGE / PRINTED_RADIUS,
+)
+ARCS_3 = Method("arcs_3", "Proposed, R = 3 m", "astar", "arcs", radius=PRINTED_RADIUS)
 AGILE = Method(
-    "smoothed_3_agile",
+    "arcs_3_agile",
     "Proposed, R = 3 m, vessel of 5 rad/s",
-    "shortened",
+    "astar",
     "arcs",
     radius=PRINTED_RADIUS,
     yaw_rate=SPEED / PRINTED_RADIUS,
 )
-DIRECT = Method("direct", "Proposed on A* itself, R = 15 m", "astar", "arcs")
-DIRECT_PRINTED = Method(
-    "direct_3", "Proposed on A* itself, R = 3 m", "astar", "arcs", radius=PRINTED_RADIUS
+SHORT_ARCS = Method("short_arcs", "Shortened first, R = 15 m", "shortened", "arcs")
+SHORT_ARCS_3 = Method(
+    "short_arcs_3", "Shortened first, R = 3 m", "shortened", "arcs", radius=PRINTED_RADIUS
 )
-METHODS = (
-    ASTAR,
-    SHORTENED,
-    SPLINE,
-    CORNER_SPLINE,
-    KEY_SPLINE,
-    PROPOSED,
-    PRINTED,
-    AGILE,
-    DIRECT,
-    DIRECT_PRINTED,
-)
-SWEPT = (ASTAR, SPLINE, PROPOSED, PRINTED)
-"""Methods that are compared over expansion coefficients."""
+SPLINES = (SPLINE, CORNER_SPLINE, SHORT_SPLINE)
+PROPOSED = (ARCS, ARCS_WIDE, ARCS_3, SHORT_ARCS, SHORT_ARCS_3)
+"""Algorithm 1 on the path of A*, as it is printed, and with a step of ours before it."""
+SAILED = (ASTAR, SHORTENED, *SPLINES, *PROPOSED, AGILE)
+METHODS = {method.name: method for method in SAILED}
 
 
 @dataclass(frozen=True)
 class Search:
-    """What A* found for every scene and pair of ends, B = n x pairs, pairs running fastest.
+    """What A* found for some jobs, B of them: pairs of ends, five in every scene.
 
     Attributes:
-        scenes: the islands.
-        expansion: E.
-        bare: bool[n, H, W], cells of islands.
-        maps: bool[B, H, W], cells of expanded islands, which paths keep clear of.
+        waters: how scenes were drawn, and the grid.
+        scenes: the islands, of each scene once.
+        which: int[B], scene of each row among these.
+        pair: int[B], of ends.
+        maps: bool[B, C, C], cells of expanded islands, which paths keep clear of.
         found: of A*, cells.
-        short: the same shortened.
         straight: float64[B], from the centre of the first cell to that of the last, m.
     """
 
+    waters: Waters
     scenes: Scenes
-    expansion: float
-    bare: np.ndarray
+    which: np.ndarray
+    pair: np.ndarray
     maps: np.ndarray
     found: AstarResult
-    short: KeyPaths
     straight: np.ndarray
 
     @property
@@ -121,18 +142,20 @@ class Search:
         arrived: np.ndarray = self.found.status == Status.FOUND
         return arrived
 
-    def row(self, i: int) -> "Search":
-        """One row alone."""
-        scene = i // (len(self.straight) // len(self.scenes))
-        return Search(
-            self.scenes.one(scene),
-            self.expansion,
-            self.bare[scene : scene + 1],
-            self.maps[i : i + 1],
-            _row(self.found, i),
-            _row(self.short, i),
-            self.straight[i : i + 1],
-        )
+    @cached_property
+    def short(self) -> KeyPaths:
+        """The paths, shortened."""
+        return shorten(self.found.path, self.found.path_cells, self.maps)
+
+    @cached_property
+    def bare(self) -> np.ndarray:
+        """bool[n, C, C], cells of the islands of each scene."""
+        return self.scenes.blocked(0.0, self.waters.cell)
+
+    @property
+    def frame(self) -> dict[str, Any]:
+        """Of the grid, as paths take it."""
+        return {"cell_size": self.waters.cell, "origin": ORIGIN}
 
     def cells(self, base: str) -> tuple[np.ndarray, np.ndarray]:
         """Cells int32[B, P, 2] and their number int32[B]."""
@@ -142,28 +165,28 @@ class Search:
         return found if base == "astar" else corners_of(*found)
 
 
-def _row(record: Record, i: int) -> Record:
-    values = {f.name: getattr(record, f.name) for f in fields(record)}
-    cut: dict[str, Any] = {
-        name: value[i : i + 1] for name, value in values.items() if isinstance(value, np.ndarray)
-    }
-    return replace(record, **cut)
+def search(waters: Waters, seed: int, jobs: np.ndarray) -> Search:
+    """Search the pair of ends `job % 5` in scene `job // 5`, job by job.
+
+    Args:
+        waters: how scenes are drawn, and the grid.
+        seed: of the scenes.
+        jobs: int[B].
+    """
+    numbers, which = np.unique(jobs // PAIRS, return_inverse=True)
+    pair = jobs % PAIRS
+    scenes = draw_scenes(numbers.tolist(), waters, seed)
+    maps = scenes.blocked(waters.expansion, waters.cell)[which]
+    ends = to_cells(np.array(ENDS), waters.cell)[pair]
+    found = a_star(maps, ends, waters.turns)
+    straight = np.linalg.norm(np.diff(to_points(ends, waters.cell), axis=1)[:, 0], axis=-1)
+    return Search(waters, scenes, which, pair, maps, found, straight)
 
 
-def search(scenes: Scenes, expansion: float) -> Search:
-    """Search all pairs of ends in all scenes, islands expanded by 1 + E."""
-    starts, goals = (np.tile(cells, (len(scenes), 1)) for cells in end_cells())
-    maps = np.repeat(scenes.blocked(expansion), len(ENDS), axis=0)
-    found = astar(maps, starts, goals)
-    straight = np.linalg.norm(to_points(goals) - to_points(starts), axis=-1)
-    short = shorten(found.path, found.path_cells, maps)
-    return Search(scenes, expansion, scenes.blocked(0.0), maps, found, short, straight)
-
-
-def end_cells() -> tuple[np.ndarray, np.ndarray]:
-    """Cells of the five starts and of the five ends, int32[5, 2] each."""
-    ends = to_cells(np.array(ENDS))
-    return ends[:, 0], ends[:, 1]
+def a_star(maps: np.ndarray, ends: np.ndarray, turns: str) -> AstarResult:
+    """Shortest paths between cells, int[B, 2, 2]; which of them is in `Waters`."""
+    cost = {"turn_cost": FEW_TURNS} if turns == "fewest" else {}
+    return astar(maps, ends[:, 0], ends[:, 1], **cost)
 
 
 def corners_of(path: np.ndarray, length: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -201,7 +224,7 @@ class Route:
         counts: int32[B], points of each, 0 where there is none.
         curvature: float32[B, N], 1/m; None of straight segments.
         bend: float[B], the largest curvature, 1/m; inf at a corner.
-        corners: int[B, 4], how many of each of TEMPLATES; None without arcs.
+        corners: int[B, 4], how many of each of TEMPLATES; zeros without arcs.
     """
 
     ok: np.ndarray
@@ -209,40 +232,40 @@ class Route:
     counts: np.ndarray
     curvature: np.ndarray | None
     bend: np.ndarray
-    corners: np.ndarray | None = None
+    corners: np.ndarray
 
 
 def make_route(searched: Search, method: Method) -> Route:
     """Turn what A* found into the paths of a method."""
     cells, counts = searched.cells(method.base)
-    frame: dict[str, Any] = {"cell_size": CELL, "origin": ORIGIN}
+    none = np.zeros((len(counts), len(TEMPLATES)), int)
     if method.smoothing == "bspline":
-        spline = bspline(cells, counts, samples=SPLINE_SAMPLES, **frame)
+        spline = bspline(cells, counts, samples=SPLINE_SAMPLES, **searched.frame)
         bend = np.abs(spline.curvature).max(axis=1)
-        return Route(searched.ok, spline.points, spline.counts, spline.curvature, bend)
+        return Route(searched.ok, spline.points, spline.counts, spline.curvature, bend, none)
     if method.smoothing == "arcs":
-        smooth: SmoothTurns = smooth_turns(
+        smooth = smooth_turns(
             cells,
             counts,
             searched.maps,
             turning_radius=method.radius,
+            safety_range=method.safety,
             spacing=SPACING,
             margin=MARGIN,
-            **frame,
+            **searched.frame,
         )
-        corners = np.stack([(smooth.turns == turn).sum(axis=1) for turn in TEMPLATES], axis=1)
+        corners = [(smooth.turns == turn).sum(axis=1) for turn in TEMPLATES.values()]
         return Route(
             smooth.fitted,
             smooth.points,
             smooth.counts,
             smooth.curvature,
             smooth.curvature_bound,
-            corners,
+            np.stack(corners, axis=1),
         )
-    turning = path_metrics(cells, counts, **frame).turning
-    return Route(
-        searched.ok, to_points(cells), counts, None, np.where(turning > NO_TURN, np.inf, 0.0)
-    )
+    points = to_points(cells, searched.waters.cell)
+    bend = np.where(length_and_turning(points, counts)[1] > NO_TURN, np.inf, 0.0)
+    return Route(searched.ok, points, counts, None, bend, none)
 
 
 def sail(searched: Search, method: Method, route: Route) -> Tracks:
@@ -253,67 +276,7 @@ def sail(searched: Search, method: Method, route: Route) -> Tracks:
         searched.maps,
         curvature=route.curvature,
         params=TrackParams(speed=SPEED, yaw_rate=method.yaw_rate),
-        cell_size=CELL,
-        origin=ORIGIN,
-    )
-
-
-@dataclass(frozen=True)
-class Measures:
-    """What is kept of paths, each [B]; lengths in m, angles in rad.
-
-    Attributes:
-        found: bool, whether A* found a path.
-        ok: bool, whether the method has one that can be judged: all corners smoothed.
-        straight: distance from start to end.
-        length, turning: of the path.
-        bend: its largest curvature, 1/m.
-        error: largest distance of the vessel from the path; nan where none sailed.
-        contact: bool[B, 4], whether the vessel was ever on or in each of CONTACTS.
-        arrived: bool, whether it reached the path's end.
-        corners: int[B, 4], corners by TEMPLATES; zeros without arcs.
-    """
-
-    found: np.ndarray
-    ok: np.ndarray
-    straight: np.ndarray
-    length: np.ndarray
-    turning: np.ndarray
-    bend: np.ndarray
-    error: np.ndarray
-    contact: np.ndarray
-    arrived: np.ndarray
-    corners: np.ndarray
-
-    def in_contact(self, kind: str) -> np.ndarray:
-        """bool[B], of one of CONTACTS."""
-        chosen: np.ndarray = self.contact[:, list(CONTACTS).index(kind)]
-        return chosen
-
-
-def measure(searched: Search, method: Method, sailed: bool = True) -> Measures:
-    """Route all pairs of ends by a method, sail the routes, and keep the figures."""
-    route = make_route(searched, method)
-    metrics = path_metrics(route.points, route.counts)
-    rows = len(route.ok)
-    corners = np.zeros((rows, len(TEMPLATES)), int) if route.corners is None else route.corners
-    error, arrived = np.full(rows, np.nan), np.zeros(rows, bool)
-    contact = np.zeros((rows, len(CONTACTS)), bool)
-    if sailed:
-        tracks = sail(searched, method, route)
-        error, arrived = tracks.error, tracks.arrived
-        contact = np.logical_or.reduce(contacts(tracks, searched), axis=1)
-    return Measures(
-        found=searched.ok,
-        ok=route.ok,
-        straight=searched.straight,
-        length=metrics.length,
-        turning=metrics.turning,
-        bend=route.bend,
-        error=error,
-        contact=np.where(searched.ok[:, None], contact, False),
-        arrived=arrived,
-        corners=corners,
+        **searched.frame,
     )
 
 
@@ -321,37 +284,25 @@ def contacts(tracks: Tracks, searched: Search) -> np.ndarray:
     """What vessels are on or in at every control period; beyond the map's edge is water.
 
     Returns:
-        bool[B, T, 4], of CONTACTS.
+        bool[B, T, 4], of CONTACTS; nothing where there is no path.
     """
-    places = tracks.poses[..., :2]
-    left = on_blocked(searched.maps, np.arange(len(places)), places)
+    places, cell = tracks.poses[..., :2], searched.waters.cell
+    left = on_blocked(searched.maps, cell, np.arange(len(places)), places)
+    left &= searched.ok[:, None]
     found = np.zeros((*left.shape, len(CONTACTS)), bool)
     # Islands lie on their cells, and these among the cells that are kept clear of.
     at = places[left]
-    scene = np.nonzero(left)[0] // (len(places) // len(searched.scenes))
+    scene = searched.which[np.nonzero(left)[0]]
     found[left] = np.stack(
         [
             np.ones(len(at), bool),
-            searched.scenes.inside(searched.expansion, scene, at),
-            on_blocked(searched.bare, scene, at[:, None])[:, 0],
+            searched.scenes.inside(searched.waters.expansion, scene, at),
+            on_blocked(searched.bare, cell, scene, at[:, None])[:, 0],
             searched.scenes.inside(0.0, scene, at),
         ],
         axis=1,
     )
     return found
-
-
-def joined(parts: list[Measures]) -> Measures:
-    """Put the measures of several blocks of scenes together."""
-    return Measures(
-        **{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Measures)}
-    )
-
-
-def of_pair(measures: Measures, pair: int) -> Measures:
-    """The measures of one pair of ends, one row a scene."""
-    chosen = slice(pair, None, len(ENDS))
-    return Measures(**{f.name: getattr(measures, f.name)[chosen] for f in fields(Measures)})
 
 
 def degrees(angle: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ The paper prints neither its map nor a cell size; its text gives the start and e
 safety range and the expansion coefficient of obstacles (Table 1), which are all used here.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +12,7 @@ import numpy as np
 from experiments.chen2023.published import ENDS, EXPANSION
 from usvkernels.grids import expand_about_centre
 
-CELL = 5.0  # m
-SIDE = 910.0  # m: 900 m, and a cell more on every side, since (347, -451) is an end point
-CELLS = round(SIDE / CELL)
+SIDE = 910.0  # m: 900 m, and 5 m more on every side, since (347, -451) is an end point
 ORIGIN = (-SIDE / 2, -SIDE / 2)  # m, the corner of cell (0, 0)
 ISLAND_FIELD = 450.0  # m: centres of islands lie within +- this
 
@@ -25,22 +24,39 @@ _JITTER = 0.3  # of the angle between two corners
 _AT_ONCE = 4096  # islands rasterised in one array
 
 
+TURNS = ("any", "fewest")
+
+
 @dataclass(frozen=True)
 class Waters:
-    """How scenes are drawn.
+    """The `[waters]` table of a study: how scenes are drawn, and the grid that is searched.
 
     Attributes:
-        islands: K, in every scene.
-        axes: m, least and greatest semi-axis of the ellipses that islands are cut from.
+        islands: in every scene; 1 or more.
+        least_axis: least semi-axis of the ellipses that islands are cut from; m, above 0.
+        greatest_axis: greatest of them; m, at least `least_axis`.
+        expansion: E of Eq. 4, that islands are searched with; 0 or more.
+        cell: of the grid; m, a whole number of them makes 910 m.
+        turns: which of the shortest paths A* takes, "any" or one of the "fewest" turns.
     """
 
     islands: int = 60
-    axes: tuple[float, float] = (8.0, 24.0)
+    least_axis: float = 8.0
+    greatest_axis: float = 24.0
+    expansion: float = EXPANSION
+    cell: float = 5.0
+    turns: str = "any"
+
+    @property
+    def cells(self) -> int:
+        """On each side of the grid."""
+        return round(SIDE / self.cell)
 
     @property
     def words(self) -> str:
-        """For tables."""
-        return f"{self.islands} islands, semi-axes {self.axes[0]:g} to {self.axes[1]:g} m"
+        """How islands are drawn, for tables."""
+        axes = f"{self.least_axis:g} to {self.greatest_axis:g} m"
+        return f"{self.islands} islands, semi-axes {axes}"
 
 
 @dataclass(frozen=True)
@@ -58,23 +74,20 @@ class Scenes:
     def __len__(self) -> int:
         return len(self.centres)
 
-    def one(self, scene: int) -> "Scenes":
-        """One of them alone."""
-        return Scenes(self.centres[scene : scene + 1], self.corners[scene : scene + 1])
-
     def expanded(self, expansion: float) -> np.ndarray:
         """Corners after Eq. 4, float64[n, K, CORNERS, 2], m."""
         wider = expand_about_centre(self.corners - self.centres[:, :, None], np.zeros(2), expansion)
         return self.centres[:, :, None] + np.asarray(wider, np.float64)
 
-    def blocked(self, expansion: float) -> np.ndarray:
-        """Cells that touch an island scaled by 1 + E, bool[n, CELLS, CELLS]."""
+    def blocked(self, expansion: float, cell: float) -> np.ndarray:
+        """Cells that touch an island scaled by 1 + E, bool[n, C, C]."""
         corners = self.expanded(expansion)
-        grids = np.zeros((len(self), CELLS, CELLS), bool)
+        cells = round(SIDE / cell)
+        grids = np.zeros((len(self), cells, cells), bool)
         scene = np.repeat(np.arange(len(self)), corners.shape[1])
         flat = corners.reshape(-1, CORNERS, 2)
         for part in range(0, len(flat), _AT_ONCE):
-            _stamp(grids, scene[part : part + _AT_ONCE], flat[part : part + _AT_ONCE])
+            _stamp(grids, cell, scene[part : part + _AT_ONCE], flat[part : part + _AT_ONCE])
         return grids
 
     def inside(self, expansion: float, scene: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -102,17 +115,15 @@ class Scenes:
         return found
 
 
-def draw_scenes(count: int, waters: Waters, *, first: int = 0, seed: int = SEED) -> Scenes:
-    """Draw scenes; scene j depends on the seed, j and the waters alone.
+def draw_scenes(numbers: Sequence[int], waters: Waters, seed: int = SEED) -> Scenes:
+    """Draw scenes; scene j depends on the seed, j, and the waters' islands and axes alone.
 
     Args:
-        count: scenes first, ..., first + count - 1.
+        numbers: which of the sequence, each 0 or more.
         waters: what they are like.
-        first: number of the first.
         seed: of the sequence.
     """
-    numbers = range(first, first + count)
-    drawn = [_islands(np.random.default_rng([seed, j]), waters) for j in numbers]
+    drawn = [_islands(np.random.default_rng([seed, int(j)]), waters) for j in numbers]
     centres, corners = (np.stack(parts) for parts in zip(*drawn, strict=True))
     return Scenes(centres, corners)
 
@@ -123,7 +134,7 @@ def _islands(rng: np.random.Generator, waters: Waters) -> tuple[np.ndarray, np.n
     centres, corners = np.zeros((0, 2)), np.zeros((0, CORNERS, 2))
     while len(centres) < wanted:
         middle = rng.uniform(-ISLAND_FIELD, ISLAND_FIELD, (wanted, 2))
-        shape = _shapes(rng, wanted, waters.axes)
+        shape = _shapes(rng, wanted, (waters.least_axis, waters.greatest_axis))
         radius = (1.0 + EXPANSION) * np.linalg.norm(shape, axis=-1).max(axis=1)
         gap = np.linalg.norm(middle[:, None] - _all_ends(), axis=-1).min(axis=1)
         free = gap > radius + CLEAR
@@ -147,21 +158,21 @@ def _all_ends() -> np.ndarray:
     return np.array([point for pair in ENDS for point in pair])
 
 
-def _stamp(grids: np.ndarray, scene: np.ndarray, corners: np.ndarray) -> None:
-    """Block the cells that touch convex polygons, float64[m, CORNERS, 2].
+def _stamp(grids: np.ndarray, cell: float, scene: np.ndarray, corners: np.ndarray) -> None:
+    """Block the cells, of this size, that touch convex polygons, float64[m, CORNERS, 2].
 
     Two convex shapes are apart if and only if they are apart along the normal of an edge: here
     along x, y, or the normal of one of the polygon's edges.
     """
-    low = np.floor((corners.min(axis=1) - ORIGIN) / CELL).astype(int)
-    high = np.floor((corners.max(axis=1) - ORIGIN) / CELL).astype(int)
+    low = np.floor((corners.min(axis=1) - ORIGIN) / cell).astype(int)
+    high = np.floor((corners.max(axis=1) - ORIGIN) / cell).astype(int)
     size = int((high - low).max()) + 1
     x, y = (low[:, axis, None] + np.arange(size) for axis in range(2))
     edge = np.roll(corners, -1, axis=1) - corners
     normal = np.stack([edge[..., 1], -edge[..., 0]], axis=-1)  # outwards
-    half = 0.5 * CELL * np.abs(normal).sum(axis=-1)
+    half = 0.5 * cell * np.abs(normal).sum(axis=-1)
     limit = half + (normal * corners).sum(axis=-1)
-    centre_x, centre_y = (ORIGIN[axis] + CELL * (v + 0.5) for axis, v in ((0, x), (1, y)))
+    centre_x, centre_y = (ORIGIN[axis] + cell * (v + 0.5) for axis, v in ((0, x), (1, y)))
     touched = (y <= high[:, 1:])[:, :, None] & (x <= high[:, :1])[:, None, :]
     for k in range(CORNERS):
         outwards = (
@@ -169,34 +180,36 @@ def _stamp(grids: np.ndarray, scene: np.ndarray, corners: np.ndarray) -> None:
             + normal[:, k, 0, None, None] * centre_x[:, None, :]
         )
         touched &= outwards <= limit[:, k, None, None]
-    on_map = ((y >= 0) & (y < CELLS))[:, :, None] & ((x >= 0) & (x < CELLS))[:, None, :]
+    cells = grids.shape[1]
+    on_map = ((y >= 0) & (y < cells))[:, :, None] & ((x >= 0) & (x < cells))[:, None, :]
     which, row, column = np.nonzero(touched & on_map)
     grids[scene[which], y[which, row], x[which, column]] = True
 
 
-def to_cells(points: np.ndarray) -> np.ndarray:
+def to_cells(points: np.ndarray, cell: float) -> np.ndarray:
     """Cells of points, int32[..., 2]."""
-    return np.floor((np.asarray(points) - ORIGIN) / CELL).astype(np.int32)
+    return np.floor((np.asarray(points) - ORIGIN) / cell).astype(np.int32)
 
 
-def to_points(cells: np.ndarray) -> np.ndarray:
+def to_points(cells: np.ndarray, cell: float) -> np.ndarray:
     """Centres of cells, float64[..., 2], m."""
-    return np.asarray(ORIGIN) + CELL * (np.asarray(cells) + 0.5)
+    return np.asarray(ORIGIN) + cell * (np.asarray(cells) + 0.5)
 
 
-def on_blocked(grids: np.ndarray, which: np.ndarray, places: np.ndarray) -> np.ndarray:
+def on_blocked(grids: np.ndarray, cell: float, which: np.ndarray, places: np.ndarray) -> np.ndarray:
     """Which places lie on blocked cells; off the map there is water.
 
     Args:
-        grids: bool[n, CELLS, CELLS].
+        grids: bool[n, C, C].
+        cell: m, of their cells.
         which: int[B], the grid of each row.
         places: float64[B, T, 2], m.
 
     Returns:
         bool[B, T].
     """
-    cells = to_cells(places)
-    inside = ((cells >= 0) & (cells < CELLS)).all(axis=-1)
-    x, y = np.moveaxis(np.clip(cells, 0, CELLS - 1), -1, 0)
+    cells, side = to_cells(places, cell), grids.shape[1]
+    inside = ((cells >= 0) & (cells < side)).all(axis=-1)
+    x, y = np.moveaxis(np.clip(cells, 0, side - 1), -1, 0)
     touched: np.ndarray = grids[which[:, None], y, x] & inside
     return touched

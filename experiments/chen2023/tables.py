@@ -1,149 +1,191 @@
 """The numbers of every table: rates, averages and paired differences with their intervals."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from experiments.chen2023.published import ENDS, TABLE_3, TURNING_RADIUS
+from experiments.chen2023.published import DIGITS, EXPANSION, TABLE_3
 from experiments.chen2023.routes import (
-    AGILE,
+    ARCS,
+    ARCS_3,
     ASTAR,
     CONTACTS,
     METHODS,
+    PAIRS,
     PROPOSED,
-    SPLINE,
+    SPLINES,
     TEMPLATES,
-    Measures,
+    TURNING_RADIUS,
     Method,
     degrees,
-    of_pair,
 )
-from experiments.chen2023.runs import Plan, Results
-from usvjax.statistics import (
-    RESAMPLES,
-    Estimate,
-    holm,
-    paired_difference,
-    paired_rates,
-    wilson,
+from experiments.chen2023.scenes import SEED
+from experiments.chen2023.studies import (
+    COMPARED,
+    EXPANSIONS,
+    GRIDS,
+    LENGTHS,
+    MAIN,
+    SWEPT,
+    WATERS,
+    expansion_of,
 )
+from experiments.estimates import LEVEL, mean, ratio, share, spread
+from experiments.runs import Columns, Found, Ran
+from usvjax.statistics import averages, holm, paired_difference, paired_rates, wilson
+from usvkernels.status import Status
 
-LEVEL = 0.95
-SEED = 1
-RANGE = (0.025, 0.975)  # quantiles over scenes
-SPLINES = tuple(method for method in METHODS if method.smoothing == "bspline")
+METRICS = {"length": ("decimals",), "turning": tuple(DIGITS)}
+"""What Table 3 compares, and the readings of its digits that matter to it."""
 
+Measured = Mapping[str, np.ndarray]
+"""Columns of one method, [scenes, pairs]; "found" and "whole" are bool."""
 
-def share(flags: np.ndarray) -> dict[str, Any]:
-    """How many are true, with Wilson's interval of the share."""
-    return {
-        "count": int(flags.sum()),
-        "n": len(flags),
-        **asdict(wilson(int(flags.sum()), len(flags), LEVEL)),
-    }
+Row = dict[str, Any]
 
 
-def mean(values: np.ndarray) -> dict[str, Any]:
-    """Mean with its percentile bootstrap interval; none where all values are equal."""
-    n = len(values)
-    if n == 0:
-        return asdict(Estimate(None))
-    value = float(values.mean())
-    if np.ptp(values) == 0:
-        return asdict(Estimate(value))
-    drawn = np.random.default_rng(SEED).integers(0, n, (RESAMPLES, n), dtype=np.int32)
-    tail = (1.0 - LEVEL) / 2.0
-    ends = np.quantile(values[drawn].mean(axis=1), [tail, 1.0 - tail])
-    return asdict(Estimate(value, *map(float, ends)))
+def measure(found: Found) -> Row:
+    """Make every table, for results.json."""
+    main, expansions = found.studies[MAIN], found.studies[EXPANSIONS]
+    measured = _all_of(main, MAIN, METHODS.values())
+    others = {expansion_of(e): _all_of(expansions, e, SWEPT) for e in _labels(expansions)}
+    numbers = tabulate(
+        measured,
+        others,
+        _by_label(found, GRIDS, COMPARED),
+        _by_label(found, WATERS, LENGTHS),
+    )
+    drawn = main.spec.conditions[0].case.settings["waters"]
+    return {"drawn": drawn, **numbers, "timing": found.made["times"]}
 
 
-def spread(values: np.ndarray) -> dict[str, Any]:
-    """Mean with its interval, median, and the range that 95 % of the scenes lie in."""
-    if not len(values):
-        return {"n": 0, "mean": mean(values), "median": None, "range": [None, None]}
-    return {
-        "n": len(values),
-        "mean": mean(values),
-        "median": float(np.median(values)),
-        "range": [float(q) for q in np.quantile(values, RANGE)],
-    }
-
-
-def scene_mean(values: np.ndarray, counted: np.ndarray) -> dict[str, Any]:
-    """Mean over scenes of the mean over a scene's pairs, so that scenes are the sample.
+def tabulate(
+    main: Mapping[str, Measured],
+    expansions: Mapping[float, Mapping[str, Measured]],
+    grids: Mapping[str, Mapping[str, Measured]],
+    waters: Mapping[str, Mapping[str, Measured]],
+) -> Row:
+    """Tables of what was measured, by the name of a method; all but the timings.
 
     Args:
-        values, counted: [n x pairs]; only what counts does.
+        main: with what is printed.
+        expansions: by E, besides the printed one.
+        grids, waters: by label, where they were run.
     """
+    compared = {MAIN: main, **grids}
+    sailed = {EXPANSION: main, **expansions}
+    return {
+        "sailing": {e: sailing(measured) for e, measured in sailed.items()},
+        "leaves": {method.name: leaves(main, method) for method in PROPOSED},
+        "against_astar": {m.name: against_astar(main, m) for m in (ARCS, ARCS_3)},
+        "bends": {m.name: bends(main[m.name], m) for m in (*SPLINES, *PROPOSED)},
+        "corners": {
+            label: {m.name: corners(own[m.name]) for m in PROPOSED}
+            for label, own in compared.items()
+        },
+        "turning": {m.name: turning(main[m.name]) for m in COMPARED},
+        "lengths": {
+            label: {name: lengths(m) for name, m in own.items()}
+            for label, own in {MAIN: main, **waters}.items()
+        },
+        "compared": {label: compare(own) for label, own in compared.items()},
+    }
+
+
+def _labels(ran: Ran) -> list[str]:
+    return [condition.label for condition in ran.spec.conditions]
+
+
+def _by_label(found: Found, study: str, methods: Iterable[Method]) -> dict[str, dict[str, Row]]:
+    """The conditions of a study, where it was run."""
+    if study not in found.studies:
+        return {}
+    ran, chosen = found.studies[study], list(methods)
+    return {label: _all_of(ran, label, chosen) for label in _labels(ran)}
+
+
+def _all_of(ran: Ran, label: str, methods: Iterable[Method]) -> dict[str, Row]:
+    return {m.name: by_scene(ran.columns(label, m.name)) for m in methods}
+
+
+def by_scene(columns: Columns) -> Row:
+    """Columns of jobs as arrays [scenes, pairs]."""
+    found = {name: values.reshape(-1, PAIRS) for name, values in columns.items()}
+    found["found"] = found["status"] == Status.FOUND
+    found["whole"] = found["whole"].astype(bool)
+    return found
+
+
+def scene_mean(values: np.ndarray, counted: np.ndarray) -> Row:
+    """Mean over scenes of the mean over what counts of a scene, so that scenes are the sample."""
     return mean(_within_scenes(values, counted))
 
 
-def scene_rate(flags: np.ndarray, counted: np.ndarray) -> dict[str, Any]:
-    """The same of what is true or not.
+def scene_rate(flags: np.ndarray, counted: np.ndarray) -> Row:
+    """The same of what is true or not, with a bootstrap interval: it stays between 0 and 1.
 
-    Where it never is, or always, the interval is Wilson's over the scenes: no resample of
-    equal values has a spread.
+    Where it never is, or always, the interval is Wilson's over the scenes: equal values have no
+    spread.
     """
     shares = _within_scenes(flags, counted)
     if len(shares) and np.ptp(shares) == 0 and shares[0] in (0.0, 1.0):
         return asdict(wilson(round(shares.sum()), len(shares), LEVEL))
-    return mean(shares)
+    return asdict(averages(shares[:, None], LEVEL, [SEED])[0].mean)
 
 
 def _within_scenes(values: np.ndarray, counted: np.ndarray) -> np.ndarray:
     """Mean of each scene that has something to count, float64[n']."""
-    kept = counted.reshape(-1, len(ENDS))
-    total = np.where(kept, values.reshape(-1, len(ENDS)), 0.0).sum(axis=1)
-    some = kept.any(axis=1)
-    averaged: np.ndarray = total[some] / kept[some].sum(axis=1)
+    total = np.where(counted, values, 0.0).sum(axis=1)
+    some = counted.any(axis=1)
+    averaged: np.ndarray = total[some] / counted[some].sum(axis=1)
     return averaged
 
 
-def sailing(measured: dict[str, Measures], methods: Sequence[Method]) -> list[dict[str, Any]]:
+def sailing(measured: Mapping[str, Measured]) -> dict[str, Row]:
     """How vessels fared on the routes of each method: contacts and distance from the path."""
-    rows = []
-    for method in methods:
-        m = measured[method.name]
-        pairs = [of_pair(m, pair) for pair in range(len(ENDS))]
-        rows.append(
-            {
-                "method": method.name,
-                "words": method.words,
-                "routes": len(m.ok),
-                "ok": int(m.ok.sum()),
-                "found_scenes": scene_rate(m.found, np.ones_like(m.found)),
-                "fitted": [share(p.ok[p.found]) for p in pairs],
-                **_contacts(m, pairs),
-                "arrived": int(m.arrived[m.ok].sum()),
-                "error": scene_mean(m.error, m.ok),
-                "error_pairs": [spread(p.error[p.ok].astype(float)) for p in pairs],
-                "most_error": float(m.error[m.ok].max(initial=0.0)),
-            }
-        )
-    return rows
-
-
-def _contacts(m: Measures, pairs: Sequence[Measures]) -> dict[str, Any]:
-    """Of every kind: on each pair of ends, over scenes, and how many in all."""
-    found: dict[str, Any] = {}
-    for kind in CONTACTS:
-        flags = m.in_contact(kind)
-        found[kind] = [share(p.in_contact(kind)[p.ok]) for p in pairs]
-        found[f"{kind}_scenes"] = scene_rate(flags, m.ok)
-        found[f"{kind}_count"] = int(flags[m.ok].sum())
+    found = {}
+    for name, m in measured.items():
+        ok = m["whole"]
+        found[name] = {
+            "routes": int(ok.size),
+            "scenes": len(ok),
+            "ok": int(ok.sum()),
+            "contacts": {kind: _contact(m[kind].astype(bool), ok) for kind in CONTACTS},
+            "not_arrived": int((ok & (m["arrived"] == 0)).sum()),
+            "error": scene_mean(m["error"], ok),
+            "most_error": float(np.where(ok, m["error"], 0.0).max()),
+        }
     return found
 
 
-def paired_contacts(measured: dict[str, Measures]) -> dict[str, list[dict[str, Any]]]:
-    """Contacts on the proposed path against those on A*'s, scene by scene, pair by pair."""
-    found: dict[str, list[dict[str, Any]]] = {}
+def _contact(flags: np.ndarray, ok: np.ndarray) -> Row:
+    """How many routes in all, how many of a scene, and how many of each pair of ends."""
+    return {
+        "count": int((flags & ok).sum()),
+        "scenes": scene_rate(flags, ok),
+        "pairs": [share(f[k]) for f, k in zip(flags.T, ok.T, strict=True)],
+    }
+
+
+def leaves(measured: Mapping[str, Measured], method: Method) -> Row:
+    """How far vessels leave the path of A* and a proposed one, ends of Scene 1."""
+    ours, plain = measured[method.name], measured[ASTAR.name]
+    ok = ours["whole"][:, 0]
+    new, old = (m["error"][ok, 0].astype(float) for m in (plain, ours))
+    return {"n": int(ok.sum()), "astar": mean(new), "proposed": mean(old), "more": mean(new - old)}
+
+
+def against_astar(measured: Mapping[str, Measured], method: Method) -> dict[str, list[Row]]:
+    """Contacts on a proposed path against those on A*'s, scene by scene, pair by pair."""
+    found: dict[str, list[Row]] = {}
+    ours, plain = measured[method.name], measured[ASTAR.name]
     for kind in ("left", "entered"):
         entries = []
-        for pair in range(len(ENDS)):
-            ours, plain = (of_pair(measured[m.name], pair) for m in (PROPOSED, ASTAR))
-            both = [m.in_contact(kind)[ours.ok] for m in (ours, plain)]
+        for pair in range(PAIRS):
+            ok = ours["whole"][:, pair]
+            both = [m[kind][ok, pair].astype(bool) for m in (ours, plain)]
             entries.append(asdict(paired_rates(both[0], both[1], LEVEL)))
         for entry, p in zip(entries, holm([e["p_mcnemar"] for e in entries]), strict=True):
             entry["p_holm"] = p
@@ -151,168 +193,105 @@ def paired_contacts(measured: dict[str, Measures]) -> dict[str, list[dict[str, A
     return found
 
 
-def bends(measured: dict[str, Measures], methods: Sequence[Method]) -> list[dict[str, Any]]:
-    """Largest curvature of the paths, in units of 1/R of the method and of 1/15 m."""
-    rows = []
-    for method in methods:
-        m = measured[method.name]
-        largest = m.bend[m.ok].astype(float)
-        if method.smoothing == "none" or method is AGILE or not len(largest):
-            continue
-        rows.append(
-            {
-                "method": method.name,
-                "words": method.words,
-                "radius": method.radius,
-                "most": float(largest.max() * method.radius),
-                "median_15": float(np.median(largest) * TURNING_RADIUS),
-                "too_tight_15": share(largest * TURNING_RADIUS > 1.0),
-            }
-        )
-    return rows
-
-
-def corners(measured: dict[str, Measures], methods: Sequence[Method]) -> list[dict[str, Any]]:
-    """How the corners are sailed, of all routes found; a path once, whatever vessels sail it."""
-    rows = []
-    for method in methods:
-        if method.smoothing != "arcs" or method is AGILE:
-            continue
-        m = measured[method.name]
-        counts = m.corners[m.found].sum(axis=0)
-        rows.append(
-            {
-                "method": method.name,
-                "words": method.words,
-                "corners": int(counts.sum()),
-                "templates": {
-                    t.name: int(count) for t, count in zip(TEMPLATES, counts, strict=True)
-                },
-                "fitted": int(m.ok.sum()),
-                "found": int(m.found.sum()),
-                "fitted_scenes": scene_rate(m.ok, m.found),
-            }
-        )
-    return rows
-
-
-def compare(measured: dict[str, Measures]) -> list[dict[str, Any]]:
-    """Length and turning of the splines against the proposed paths, one row a pair of ends."""
-    rows = [_pair(measured, pair) for pair in range(len(ENDS))]
-    for spline in SPLINES:
-        for metric in ("length", "turning"):
-            tested = [row["splines"][spline.name][metric] for row in rows]
-            for test in ("p_t", "p_wilcoxon"):
-                for entry, p in zip(tested, holm([e[test] for e in tested]), strict=True):
-                    entry[f"{test}_holm"] = p
-    return rows
-
-
-def _pair(measured: dict[str, Measures], pair: int) -> dict[str, Any]:
-    ours, plain = (of_pair(measured[m.name], pair) for m in (PROPOSED, ASTAR))
-    ok = ours.ok
+def bends(m: Measured, method: Method) -> Row:
+    """Largest curvature of a method's paths, in units of 1/R of its own and of 1/15 m."""
+    largest = m["bend"][m["whole"]].astype(float)
+    tight = largest * TURNING_RADIUS > 1.0
     return {
-        "pair": pair,
-        "start": ENDS[pair][0],
-        "end": ENDS[pair][1],
-        "found": share(ours.found),
-        "n": int(ok.sum()),
-        "proposed": _values(ours, ok),
-        "astar": _values(plain, ok),
-        "splines": {s.name: _against(of_pair(measured[s.name], pair), ours, ok) for s in SPLINES},
-        "published": _published(pair),
+        "n": len(largest),
+        "most": float(largest.max(initial=0.0) * method.radius),
+        "median_15": float(np.median(largest) * TURNING_RADIUS) if len(largest) else None,
+        "too_tight": int(tight.sum()),
+        "too_tight_share": share(tight),
     }
 
 
-def _values(m: Measures, ok: np.ndarray) -> dict[str, Any]:
+def corners(m: Measured) -> Row:
+    """How the corners are sailed, of all routes found, and how many paths have all of theirs."""
+    counts = {name: int(m[name][m["found"]].sum()) for name in TEMPLATES}
+    whole = m["found"].all(axis=1)
     return {
-        "over_straight": spread((m.length / m.straight)[ok].astype(float)),
-        "turning_deg": spread(degrees(m.turning[ok].astype(float))),
+        "corners": sum(counts.values()),
+        "templates": counts,
+        "fitted": int(m["whole"].sum()),
+        "found": int(m["found"].sum()),
+        "fitted_scenes": scene_rate(m["whole"], m["found"]),
+        "all_five": share(m["whole"][whole].all(axis=1)),
+        "n": int(whole.sum()),
     }
 
 
-def _against(spline: Measures, ours: Measures, ok: np.ndarray) -> dict[str, Any]:
-    """A spline's values, and how the proposed paths differ from them."""
-    entry = {"values": _values(spline, ok)}
-    for metric, a, b in (
-        ("length", ours.length, spline.length),
-        ("turning", degrees(ours.turning), degrees(spline.turning)),
-    ):
-        new, old = a[ok].astype(float), b[ok].astype(float)
+def turning(m: Measured) -> list[Row]:
+    """Total turning angle (deg), by pair of ends."""
+    angles, whole = degrees(m["turning"].astype(float)).T, m["whole"].T
+    return [spread(angle[ok]) for angle, ok in zip(angles, whole, strict=True)]
+
+
+def lengths(m: Measured) -> list[Row]:
+    """Length over the straight line, by pair of ends, and how far out what is printed lies."""
+    found = []
+    for pair in range(PAIRS):
+        ok = m["whole"][:, pair]
+        over = (m["path_length"] / m["straight"])[ok, pair].astype(float)
+        printed = None if pair == 0 else TABLE_3[pair - 1].proposed.length
+        p = printed and rank_p(over, printed / TABLE_3[pair - 1].straight)
+        found.append({"n": len(over), "over_straight": spread(over), "rank_p": p})
+    return found
+
+
+def rank_p(sample: np.ndarray, printed: float) -> float:
+    """P of the place that one more value takes in a sample; of any distribution, both sides.
+
+    If what is printed were drawn as the sample was, it would be p or less with a probability of
+    p at most.
+    """
+    below, above = (1 + int(flags.sum()) for flags in (sample <= printed, sample >= printed))
+    return min(1.0, 2.0 * min(below, above) / (len(sample) + 1))
+
+
+def compare(measured: Mapping[str, Measured]) -> dict[str, dict[str, list[Row]]]:
+    """Every proposed path against every spline, one row a pair of ends."""
+    return {
+        ours.name: {
+            spline.name: _compared(measured[ours.name], measured[spline.name]) for spline in SPLINES
+        }
+        for ours in PROPOSED
+    }
+
+
+def _compared(ours: Measured, spline: Measured) -> list[Row]:
+    rows = [_pair(ours, spline, pair) for pair in range(PAIRS)]
+    for metric in METRICS:
+        tested = [row[metric] for row in rows]
+        for test in ("p_t", "p_wilcoxon"):
+            for entry, p in zip(tested, holm([e[test] for e in tested]), strict=True):
+                entry[f"{test}_holm"] = p
+    return rows
+
+
+def _pair(ours: Measured, spline: Measured, pair: int) -> Row:
+    ok = ours["whole"][:, pair] & spline["whole"][:, pair]
+    units: dict[str, tuple[str, Callable[[np.ndarray], np.ndarray]]] = {
+        "length": ("path_length", np.asarray),
+        "turning": ("turning", degrees),
+    }
+    found: Row = {"n": int(ok.sum())}
+    for metric, (column, unit) in units.items():
+        new, old = (unit(m[column][ok, pair].astype(float)) for m in (ours, spline))
+        known = (new > 0) & (old > 0)
         tested = paired_difference(new, old, LEVEL)
-        known = old > 0
-        entry[metric] = {
+        over = new[known] / old[known]
+        found[metric] = {
             "difference": asdict(tested.mean),
             "p_t": tested.p_t,
             "p_wilcoxon": tested.p_wilcoxon,
-            "ratio": spread(new[known] / old[known]),
+            "ratio": ratio(new[known], old[known]),
+            "range": spread(over),
             "less": share(new < old),
+            "rank_p": {
+                digits: rank_p(over, TABLE_3[pair - 1].ratio(metric, digits))
+                for digits in METRICS[metric]
+                if pair > 0
+            },
         }
-    return entry
-
-
-def _published(pair: int) -> dict[str, Any] | None:
-    """Of Table 3, where it has the pair."""
-    if pair == 0:
-        return None
-    row = TABLE_3[pair - 1]
-    values: dict[str, Any] = {
-        name: {
-            "time": row.of(name).time,
-            "length": row.of(name).length,
-            "over_straight": row.of(name).length / row.straight,
-            "turning_deg": row.of(name).degrees,
-            "turning_by_minutes_deg": row.of(name).degrees_by_minutes,
-        }
-        for name in ("bspline", "proposed")
-    }
-    ratios = ("time", "length", "turning_deg", "turning_by_minutes_deg")
-    values["ratio"] = {key: values["proposed"][key] / values["bspline"][key] for key in ratios}
-    return values
-
-
-def over_expansions(plans: Sequence[Plan], results: Results) -> list[dict[str, Any]]:
-    """Contacts with islands against the expansion coefficient that routes were searched with."""
-    rows = []
-    for plan in plans:
-        for row in sailing(results[plan], plan.methods):
-            kept = ["method", "words", "routes", "ok", "arrived", "error", "most_error"]
-            kept += [f"{kind}_{what}" for kind in CONTACTS for what in ("scenes", "count")]
-            rows.append(
-                {"expansion": plan.expansion, "scenes": plan.scenes}
-                | {key: row[key] for key in kept}
-            )
-    return rows
-
-
-def over_waters(plans: Sequence[Plan], results: Results) -> list[dict[str, Any]]:
-    """Lengths against how the scenes are drawn."""
-    rows = []
-    for plan in plans:
-        measured = results[plan]
-        ours = measured[PROPOSED.name]
-        pairs = []
-        for pair in range(len(ENDS)):
-            m = of_pair(ours, pair)
-            values = (m.length / m.straight)[m.ok].astype(float)
-            reached = None if pair == 0 else share(values >= _over_straight(pair))
-            pairs.append({"over_straight": spread(values), "as_long_as_published": reached})
-        both = ours.ok
-        spline = measured[SPLINE.name]
-        ratio = np.where(both, ours.length / np.where(both, spline.length, 1.0), 0.0)
-        rows.append(
-            {
-                "waters": plan.waters.words,
-                "scenes": plan.scenes,
-                "found": scene_rate(ours.found, np.ones_like(ours.found)),
-                "fitted": scene_rate(ours.ok, ours.found),
-                "ratio": scene_mean(ratio, both),
-                "pairs": pairs,
-            }
-        )
-    return rows
-
-
-def _over_straight(pair: int) -> float:
-    row = TABLE_3[pair - 1]
-    return row.proposed.length / row.straight
+    return found

@@ -1,7 +1,6 @@
 """Planning time: every stage from grid to path, many at once and one alone."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -9,87 +8,94 @@ from typing import Any
 import numpy as np
 
 from experiments.chen2023.published import ENDS
-from experiments.chen2023.routes import PROPOSED, SPLINE, Search, end_cells, make_route
+from experiments.chen2023.routes import (
+    ARCS,
+    ARCS_3,
+    PAIRS,
+    SHORT_ARCS,
+    SPLINE,
+    Search,
+    a_star,
+    make_route,
+    search,
+)
+from experiments.chen2023.scenes import SEED, Waters, to_cells
 from usvjax.paths.smoothing import shorten
-from usvjax.search.astar import astar
 
-STAGES = ("search", "shorten", "bspline", "arcs")
-WHOLE = {"a_bspline": ("search", "bspline"), "a_proposed": ("search", "shorten", "arcs")}
-"""Stages of the two algorithms of Tables 2 and 3."""
-
-
-@dataclass(frozen=True)
-class Stages:
-    """The stages of planning, for some rows of a search."""
-
-    searched: Search
-    starts: np.ndarray
-    goals: np.ndarray
-
-    def calls(self) -> dict[str, Callable[[], object]]:
-        """Stage to what runs it."""
-        found = self.searched.found
-        return {
-            "search": lambda: astar(self.searched.maps, self.starts, self.goals),
-            "shorten": lambda: shorten(found.path, found.path_cells, self.searched.maps),
-            "bspline": lambda: make_route(self.searched, SPLINE),
-            "arcs": lambda: make_route(self.searched, PROPOSED),
-        }
+WHOLE = {
+    "bspline": ("search", "spline"),
+    "arcs": ("search", "arcs"),
+    "arcs_3": ("search", "arcs_3"),
+    "short_arcs": ("search", "shortening", "arcs_shortened"),
+}
+"""Stages of the algorithms of Tables 2 and 3, under every reading of the proposed one."""
 
 
-def time_stages(searched: Search, repeats: int) -> dict[str, float]:
-    """Seconds of every stage and of both algorithms, medians, compilation left out.
+def timings(
+    waters: Waters, scenes: int, repeats: int, advance: Callable[[int], object]
+) -> dict[str, Any]:
+    """All timings, s, for results.json.
 
     Args:
-        searched: all pairs of ends in some scenes; all rows are done in one call.
-        repeats: timed calls of every stage, after one that is not.
+        waters: how scenes are drawn, and the grid.
+        scenes: whose routes are planned in one call.
+        repeats: timed calls of each stage, after one that is not timed.
+        advance: told how many calls are done.
     """
-    scenes = len(searched.straight) // len(ENDS)
-    starts, goals = (np.tile(cells, (scenes, 1)) for cells in end_cells())
-    return _timed(Stages(searched, starts, goals), repeats)
+    together = search(waters, SEED, np.arange(scenes * PAIRS))
+    alone = [search(waters, SEED, np.array([job])) for job in range(PAIRS)]
+    batch, *single = (_timed(searched, repeats, advance) for searched in (together, *alone))
+    return {"paths": scenes * PAIRS, "batch": batch, "single": single}
 
 
-def time_pairs(alone: Search, repeats: int) -> list[dict[str, float]]:
-    """The same for each pair of ends alone, a call for one path.
+def work(repeats: int) -> int:
+    """How many rounds of calls `timings` makes."""
+    return (1 + PAIRS) * (1 + repeats)
 
-    Args:
-        alone: the pairs in one scene.
-        repeats: as `time_stages`.
+
+def _calls(searched: Search) -> dict[str, Callable[[], object]]:
+    """Stage to what runs it, whatever the search has kept."""
+    found, waters = searched.found, searched.waters
+    ends = to_cells(np.array(ENDS), waters.cell)[searched.pair]
+    return {
+        "search": lambda: a_star(searched.maps, ends, waters.turns),
+        "shortening": lambda: shorten(found.path, found.path_cells, searched.maps),
+        "spline": lambda: make_route(searched, SPLINE),
+        "arcs": lambda: make_route(searched, ARCS),
+        "arcs_3": lambda: make_route(searched, ARCS_3),
+        "arcs_shortened": lambda: make_route(searched, SHORT_ARCS),
+    }
+
+
+def _timed(searched: Search, repeats: int, advance: Callable[[int], object]) -> dict[str, Any]:
+    """Medians of stages and algorithms, and how often each algorithm took less than the B-spline.
+
+    Compilation is left out: every stage is called once before it is timed.
     """
-    starts, goals = end_cells()
-    return [
-        _timed(Stages(alone.row(i), starts[i : i + 1], goals[i : i + 1]), repeats)
-        for i in range(len(ENDS))
-    ]
-
-
-def _timed(stages: Stages, repeats: int) -> dict[str, float]:
     seconds: dict[str, list[float]] = {}
-    calls = stages.calls()
+    calls = _calls(searched)
     for call in calls.values():
         call()
+    advance(1)
     # In turn, so that whatever else the machine does falls on all of them alike.
     for _ in range(repeats):
         for stage, call in calls.items():
             begun = perf_counter()
             call()
             seconds.setdefault(stage, []).append(perf_counter() - begun)
-    found = {stage: median(times) for stage, times in seconds.items()}
-    return found | {name: sum(found[s] for s in parts) for name, parts in WHOLE.items()}
-
-
-def timings(searched: Search, alone: Search, repeats: int) -> dict[str, Any]:
-    """All timings, for results.json; seconds.
-
-    Args:
-        searched: a block of scenes.
-        alone: a single one.
-        repeats: timed calls of each.
-    """
-    together = time_stages(searched, repeats)
-    rows = len(searched.straight)
+        advance(1)
+    whole = {
+        name: [sum(times) for times in zip(*(seconds[s] for s in stages), strict=True)]
+        for name, stages in WHOLE.items()
+    }
+    ratios = {
+        name: [own / spline for own, spline in zip(times, whole["bspline"], strict=True)]
+        for name, times in whole.items()
+    }
     return {
-        "paths": rows,
-        "batch": {name: value / rows for name, value in together.items()},
-        "single": time_pairs(alone, repeats),
+        "stages": {stage: median(times) for stage, times in seconds.items()},
+        "whole": {name: median(times) for name, times in whole.items()},
+        "ratio": {name: median(values) for name, values in ratios.items()},
+        "less": {name: sum(value < 1 for value in values) for name, values in ratios.items()},
+        "repeats": repeats,
     }

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from experiments import claims, output, pace
+from experiments import claims, output, pace, page
 from experiments.claims import Check, Claim, Finding, judge, weigh
 from experiments.output import RESULTS, results_folder, rounded
 from experiments.paper import Absent, Drawing, Options, Paper, Part, main
@@ -175,6 +175,19 @@ def test_readings_of_a_kind_are_counted_together():
     assert sheet.rows[0][3:] == ["of 3: yes 1, no 2", "yes: n", "-: n"]
     assert claims.section([verdict]).parts[0].rows[0][1:] == ["a", "of 3: yes 1, no 2"]
     assert len(verdict.found) == 5
+
+
+def test_of_many_readings_each_has_a_line_of_its_own():
+    few, many = ({f"r{i}": YES for i in range(count)} for count in (7, 8))
+    for readings, tables in ((few, 1), (many, 2)):
+        given = [Claim("c", "p", lambda n, given: given, readings, {})] * 2
+        found = page._sheets(judge(given, {}))
+        assert len(found) == tables
+    assert found[0].rows == [["c", "p", "**reproduces**"]] * 2
+    named = [row for row in found[1].rows if row[0]]
+    assert [row[1:] for row in found[1].rows[:2]] == [["r0", "yes: n"], ["r1", "yes: n"]]
+    assert len(found[1].rows) == 16
+    assert len(named) == 1
 
 
 def test_numbers_are_rounded():

@@ -9,7 +9,6 @@ import pytest
 from corner_grids import grids, shortest
 
 from experiments import parallel, textbook, verdicts
-from experiments.chen2023 import __main__ as chen2023
 from experiments.files import RESULTS, results_folder, rounded
 from experiments.program import begin
 from experiments.tan2022 import __main__ as tan2022
@@ -20,7 +19,6 @@ from experiments.zhang2019.paths import counted
 
 EXACT = Rules(1000, 1400, heuristic="octile")
 PROGRAMS = {
-    "chen2023": (chen2023, "--scenes"),
     "tan2022": (tan2022, "--episodes"),
     "wei2023": (wei2023, "--scenes"),
     "yu2022": (yu2022, "--swarm-runs"),
