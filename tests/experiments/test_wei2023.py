@@ -132,7 +132,7 @@ def test_what_is_run_follows_the_options():
     runs = part.runs(SimpleNamespace(scenes=None, quick=False))
     assert {name: run.size for name, run in runs.items()} == {
         "batched": 4 * 2 * 1000,
-        "textbook": 4 * 4 * 200,
+        "textbook": 4 * 3 * 200,
     }
     with pytest.raises(uj.BadInputError, match="--scenes: got 0; wanted at least 1 scene"):
         part.runs(SimpleNamespace(scenes=0, quick=True))
