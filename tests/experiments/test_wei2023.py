@@ -37,6 +37,7 @@ def test_scenes_bar_the_straight_course_and_leave_another():
     again = posed([4, 1])
     for name in scene._fields:
         np.testing.assert_array_equal(getattr(again, name), getattr(scene, name)[[4, 1]])
+    assert len(np.unique(scene.circles[:, 0, 0])) == 6
     assert scene.blocked[:, 100:].all()
     assert scene.blocked[:, :, 100:].all()
     for row in range(6):
