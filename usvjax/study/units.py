@@ -6,6 +6,7 @@ import numpy as np
 import polars as pl
 
 from usvjax.ambient import pinned
+from usvjax.mission import Metric
 from usvjax.study.calls import Kindred
 from usvjax.study.shards import KEY_COLUMNS, Unit
 from usvjax.study.spec import StudySpec
@@ -57,9 +58,7 @@ def _table(
     jobs, method = spec.layout.jobs(unit), spec.methods[rank]
     _check_ended(spec, columns, jobs, _place(spec, unit, method))
     metrics = {
-        metric.name: pl.Series(
-            columns[metric.name], dtype=pl.Int32 if metric.integer else pl.Float32
-        )
+        metric.name: pl.Series(columns[metric.name], dtype=_stored(metric))
         for metric in spec.mission.metrics
     }
     keys = {
@@ -70,6 +69,12 @@ def _table(
     }
     table = pl.DataFrame(keys, schema_overrides=KEY_COLUMNS).with_columns(**metrics)
     return table.with_columns(rank=pl.lit(rank))
+
+
+def _stored(metric: Metric) -> type[pl.DataType]:
+    if metric.integer:
+        return pl.Int32
+    return pl.Float64 if metric.double else pl.Float32
 
 
 def _place(spec: StudySpec, unit: Unit, method: str) -> str:
