@@ -112,12 +112,12 @@ def minimise(
     method = ALGORITHMS[algorithm]
     dim = whole_number("dim", dim, 1)
     runs = whole_number("runs", runs, 1)
-    first = first_run(first, runs)
     iterations = _default("iterations", iterations, method.iterations)
     population = _default("population", population, method.population)
     one_of("dtype", dtype, ("float32", "float64"))
     chosen = checked_static(algorithm, static, population)
     _check_sizes(dim, runs, iterations, population, chosen)
+    first = first_run(first, runs)
     low, high = checked_bounds(bounds, dim, dtype)
     stream = as_key(key)
     with precision(double=dtype == "float64"):
