@@ -8,6 +8,8 @@ style.register_looks(
         "recommended": style.Look(style.BLUE, "-", "o"),
         "proposed": style.Look(style.VERMILLION, "--", "*"),
         "gwo": style.Look(style.ORANGE, "-.", "^"),
+        "proposed_swap": style.Look(style.VERMILLION, ":", "X"),
+        "gwo_swap": style.Look(style.ORANGE, ":", "<"),
         "aco": style.Look(style.GREEN, ":", "v"),
         "ga": style.Look(style.SKY, "--", "P"),
         "cmpso": style.Look(style.PURPLE, "-.", "D"),
