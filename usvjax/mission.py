@@ -36,6 +36,7 @@ class Metric:
         unit: SI unit, "" for none, or "%" of a share from 0 to 100.
         label: words for tables and figures.
         integer: stored as int32 rather than float32.
+        double: stored as float64 rather than float32, such as what may lie below 1e-38.
         summarised: whether the summary reports its averages and paired differences, which are
             over successes.
         counted: whether the summary reports its mean over all episodes, however they ended.
@@ -49,6 +50,7 @@ class Metric:
     summarised: bool = True
     counted: bool = False
     share: bool = False
+    double: bool = False
 
     @property
     def points(self) -> float | None:

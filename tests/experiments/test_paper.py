@@ -127,6 +127,7 @@ def test_a_paper_is_run_judged_written_and_not_run_twice(tmp_path, monkeypatch, 
     assert "somebody2099: 8 episodes; how long it takes was never recorded" in err
     assert "It flies (published: never): DOES NOT REPRODUCE" in out
     assert "no: 7 s, 1" in out
+    assert "\\n" not in out
 
     spec = runs(Sizes())["sailed"].spec
     shards = list((place_of("somebody2099", spec) / "sailed").rglob("*.parquet"))

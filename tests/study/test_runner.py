@@ -11,12 +11,14 @@ import polars as pl
 import pytest
 from study_fake import ToyMission, run_files, toy_study
 
+from usvjax import registry
 from usvjax.devices import chosen_devices
 from usvjax.errors import BadInputError
-from usvjax.mission import Outcome
+from usvjax.mission import Metric, Outcome
 from usvjax.report.sheets import text_of
 from usvjax.study import load_run, parse_spec, run_study
 from usvjax.study.figures import figures_for_run
+from usvjax.study.replay import Replay
 from usvjax.study.report import terminal
 from usvjax.study.runner import StudyStoppedError, pick_devices
 from usvjax.study.shards import Unit
@@ -54,6 +56,23 @@ def test_table_has_one_row_per_condition_job_and_method(finished):
     assert table.height == 2 * 250 * 2
     assert table.select("condition", "job", "method").n_unique() == table.height
     assert sorted(table["job"].unique()) == list(range(250))
+
+
+def test_a_double_metric_keeps_what_lies_below_single_precision(tmp_path, monkeypatch):
+    class Tiny(ToyMission):
+        metrics = (Metric("time", "s", "Time", double=True), *ToyMission.metrics[1:])
+
+        def run(self, scene, method, record=False):
+            found = super().run(scene, method, record)
+            return Outcome({**found.columns, "time": 1e-90 * scene.jobs}, found.recording)
+
+    monkeypatch.setitem(registry._MISSIONS, "tiny", Tiny())
+    path = run_study(parse_spec({**toy_study(), "kind": "tiny"}), tmp_path / "run").path
+    rows = load_run(path).table()
+    assert rows["time"].dtype == pl.Float64
+    assert rows["clearance"].dtype == pl.Float32
+    np.testing.assert_array_equal(rows["time"], 1e-90 * rows["job"].to_numpy())
+    assert Replay(load_run(path), examples=1)(0, "plain", [3]).columns["time"][0] == 3 * 1e-90
 
 
 def test_a_table_among_the_figures_is_written_as_the_mission_gives_it(finished):

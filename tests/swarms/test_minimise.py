@@ -78,6 +78,8 @@ def test_run_depends_on_itself_alone(algorithm: str) -> None:
     same(few, small(algorithm, runs=2 * module.LANES + 3), 5)
     assert (small(algorithm, key=5).best != few.best).all()
     same(few, small(algorithm, key=jax.random.key(4)), 5)
+    apart = small(algorithm, runs=3, first=2)
+    np.testing.assert_array_equal(apart.history, few.history[2:])
 
 
 def test_as_many_devices_as_there_are() -> None:

@@ -244,7 +244,7 @@ def _check_same(
         if metric.integer:
             same &= was == now
         else:
-            close = np.isclose(now.astype(np.float32), was, ROUNDING, ROUNDING, equal_nan=True)
+            close = np.isclose(now.astype(was.dtype), was, ROUNDING, ROUNDING, equal_nan=True)
             same &= close
     if not same.all():
         made = ", ".join(f"{k} {run.manifest[k]}" for k in ("usvjax", "code", "jax", "device"))

@@ -20,6 +20,7 @@ from usvjax.ambient import pinned
 from usvjax.checks import shown
 from usvjax.devices import local_devices
 from usvjax.errors import BadInputError
+from usvjax.mission import Metric
 from usvjax.study.looks import look_level, look_schedule, narrow_enough
 from usvjax.study.shards import KEY_COLUMNS, Unit
 from usvjax.study.spec import StudySpec
@@ -300,9 +301,7 @@ def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame
         place = f"condition {condition.index} ({condition.label}), method {method}"
         columns = _checked(spec, spec.mission.run(scene, method).columns, jobs, place)
         metrics = {
-            metric.name: pl.Series(
-                columns[metric.name], dtype=pl.Int32 if metric.integer else pl.Float32
-            )
+            metric.name: pl.Series(columns[metric.name], dtype=_stored(metric))
             for metric in spec.mission.metrics
         }
         keys = {
@@ -314,6 +313,12 @@ def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame
         table = pl.DataFrame(keys, schema_overrides=KEY_COLUMNS).with_columns(**metrics)
         tables.append(table.with_columns(rank=pl.lit(rank)))
     return pl.concat(tables).sort("job", "rank").drop("rank")
+
+
+def _stored(metric: Metric) -> type[pl.DataType]:
+    if metric.integer:
+        return pl.Int32
+    return pl.Float64 if metric.double else pl.Float32
 
 
 def _checked(

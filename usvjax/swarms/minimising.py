@@ -13,7 +13,7 @@ from usvjax.ambient import precision
 from usvjax.batches import Batch, bucket, split
 from usvjax.checks import one_of, whole_number
 from usvjax.devices import COMPILER_OPTIONS, chosen_devices
-from usvjax.keys import as_key
+from usvjax.keys import as_key, first_run
 from usvjax.memory import check_memory
 from usvjax.public import public
 from usvjax.swarms.algorithms import ALGORITHMS, Params, Static, checked_params, checked_static
@@ -66,6 +66,7 @@ def minimise(
     params: Params | None = None,
     static: Static | None = None,
     dtype: str = "float32",
+    first: int = 0,
 ) -> MinimiseResult:
     """Minimise a function of `dim` numbers in independent runs.
 
@@ -96,6 +97,7 @@ def minimise(
             method.
         dtype: "float32" or "float64", of all that is computed, `fn` included, whatever JAX is set
             to; values below 1e-38 want "float64".
+        first: number of the first run, so that parts of a batch can be run apart.
 
     Returns:
         The results, in the order of the runs.
@@ -110,6 +112,7 @@ def minimise(
     method = ALGORITHMS[algorithm]
     dim = whole_number("dim", dim, 1)
     runs = whole_number("runs", runs, 1)
+    first = first_run(first, runs)
     iterations = _default("iterations", iterations, method.iterations)
     population = _default("population", population, method.population)
     one_of("dtype", dtype, ("float32", "float64"))
@@ -122,7 +125,7 @@ def minimise(
         fn = checked_objective(fn, dim, dtype)
         task = _Task(algorithm, fn, chosen, population, iterations)
         box = Box(jnp.asarray(low[:, None]), jnp.asarray(high[:, None]))
-        found = _in_blocks(task, box, stream, leaves, runs)
+        found = _in_blocks(task, box, stream, leaves, runs, first)
     evaluations = population * iterations
     if isinstance(chosen, AcoStatic):
         evaluations += chosen.archive
@@ -160,7 +163,7 @@ def _default(name: str, value: Any, default: int) -> int:
 
 
 def _in_blocks(
-    task: _Task, box: Box, stream: jax.Array, params: Params, runs: int
+    task: _Task, box: Box, stream: jax.Array, params: Params, runs: int, first: int
 ) -> tuple[np.ndarray, ...]:
     """Run blocks of runs, shared out over the devices; the fields of `Found`, runs last."""
     devices = chosen_devices()
@@ -168,7 +171,7 @@ def _in_blocks(
     if devices[0].platform != "cpu":
         lanes = min(MOST_LANES, bucket(-(-runs // len(devices))))
     blocks = split(np.arange(runs), lanes)
-    seeds = np.asarray(_drawn(stream, bucket(max(runs, lanes))))  # few sizes are compiled
+    seeds = np.asarray(_drawn(stream, bucket(max(runs, lanes)), first))  # few sizes are compiled
     double = box.low.dtype == jnp.float64
 
     def work(rows: np.ndarray, _: int, device: jax.Device) -> tuple[jax.Array, ...]:

@@ -1,177 +1,159 @@
-"""The part of the report about the heuristic, as Markdown."""
+"""The part of the page about the heuristic."""
 
-from collections.abc import Mapping
-from typing import Any
+from experiments.claims import Numbers
+from experiments.yu2022.heuristic.compare import VESSELS
+from experiments.yu2022.heuristic.mission import APART, MISSION, TRADITIONAL, UNIT
+from experiments.yu2022.heuristic.published import GOAL, SENSING
+from usvjax.report import Section, Sheet
+from usvjax.report.numbers import fixed, interval, percent
 
-from experiments.markdown import grid, interval
-from experiments.yu2022.heuristic.plans import APART, EPISODES, PLANS
-from experiments.yu2022.heuristic.published import HEURISTICS, SENSING, TRADITIONAL
-from experiments.yu2022.heuristic.verdicts import SAME
-
-Found = Mapping[str, Any]
-
-
-FIGURES = (
-    "`figures/fig5.png`: cells expanded (grey) and path (red) with each heuristic.",
-    "`figures/heuristics.png`: expansions and lengths on all kinds of maps.",
-)
+WORDS = MISSION.methods
 
 
-def tables(found: Found) -> str:
-    """Write the tables.
-
-    Args:
-        found: all results of this part, as in results.json.
-    """
-    maps = f"{found['maps']:,}"
-    return "\n\n".join(
-        [
-            "### Fig. 5 on one map\n\n" + _shown(found),
-            f"### First plans on {maps} maps\n\n" + _plans(found),
-            f"### Episodes on {maps} maps that change\n\n" + _episodes(found),
-        ]
-    )
-
-
-def summary(found: Found) -> list[str]:
-    """Sentences for the head of the report."""
-    lines: list[str] = []
-    label, table = next(iter(found["plans"].items()))
-    rows = table["heuristics"]
+def summary(numbers: Numbers) -> list[str]:
+    """Sentences for the head of the page."""
+    label, table = next(iter(numbers["plans"].items()))
     if not table["n"]:
-        return lines
-    for heuristic in ("weighted", "weighted_octile"):
-        row = rows[heuristic]
-        lines.append(
-            f"**{_capital(HEURISTICS[heuristic])}** ({label}): {row['times']['value']:.3f} times "
-            f"the cells of the traditional heuristic, and a path {_longer(row)} longer on "
-            f"average, {100 * (row['longest_ratio'] - 1):.0f} % at worst; it is a shortest one "
-            f"on {interval(row['same_length'], 100, 1)} % of maps."
-        )
-    octile = rows["octile"]["times"]["value"]
-    gained = rows["weighted"]["times"]["value"]
+        return []
+    rows = table["heuristics"]
+    times = {name: row["against"][TRADITIONAL]["times"]["value"] for name, row in rows.items()}
+    lines = [
+        f"**{WORDS[name][0].upper()}{WORDS[name][1:]}** ({label}): {fixed(times[name], 3)} times "
+        f"the cells of the traditional heuristic, and a path "
+        f"{percent(rows[name]['length_ratio']['value'] - 1, 1)} % longer on average, "
+        f"{percent(rows[name]['longest_ratio'] - 1, 0)} % at worst; it is a shortest one on "
+        f"{interval(rows[name]['against'][TRADITIONAL]['as_short'], 100, digits=1)} % of maps."
+        for name in ("weighted", "weighted_octile")
+    ]
     lines.append(
-        f"**Without any loss** the octile distance alone, which is exact, expands {octile:.2f} "
-        "times the cells of the chess-board distance; Eq. 17 as printed makes "
-        f"{gained / octile:.2f} of that, and costs the length."
+        f"**Without any loss** the octile distance alone, which is exact, expands "
+        f"{fixed(times['octile'], 2)} times the cells of the chess-board distance; Eq. 17 as "
+        f"printed makes {fixed(times['weighted'] / times['octile'], 2)} of that, and costs the "
+        "length."
+    )
+    unit = rows[UNIT]
+    lines.append(
+        "**If a diagonal step of the traditional algorithm costs 1**, as the ties of Fig. 3 want "
+        f"it, its own paths are {percent(unit['length_ratio']['value'] - 1, 1)} % longer than the "
+        f"shortest, and it expands {fixed(times[UNIT], 2)} times the cells."
     )
     return lines
 
 
-def counts(found: Found) -> str:
-    """How many maps there are; argument as of `tables`."""
-    return f"maps of each kind for the heuristic: {found['maps']:,}"
-
-
-def _capital(text: str) -> str:
-    return text[0].upper() + text[1:]
-
-
-def _longer(row: Found) -> str:
-    return f"{100 * (row['length_ratio']['value'] - 1):.1f} %"
-
-
-def note() -> str:
-    """How to read the verdicts."""
-    kinds = "; ".join(condition.label for condition in PLANS)
-    changing = "; ".join(condition.label for condition in EPISODES)
-    return (
-        f"In the order: {kinds}; while the map changes: {changing}. Fewer: the geometric mean "
-        "of the ratio of expansions, map by map, lies below 1 with its 95 % interval on every "
-        f"kind of map. The same: the path is as short on {100 * SAME:.0f} % of the maps of every "
-        "kind. The octile distance stands beside the readings of Eq. 17 and does not count."
-    )
-
-
-def readings(found: Found) -> list[str]:
+def readings(numbers: Numbers) -> list[str]:
     """How the paper was read."""
     return [
-        "Fig. 5 gives no numbers and its map is not printed. Ours: each cell blocked with the "
-        "density as probability, at the sizes and densities of the paper's ordinary and complex "
-        f"environments and denser; start and goal drawn at least {APART:g} sides apart in x or "
-        "y, connected. A diagonal step costs the square root of 2 with every heuristic and "
-        "needs both cells beside it free.",
-        "Traditional: the chess-board distance. It underestimates diagonal ways, so the search "
-        "is exact; so is the octile one.",
+        "Fig. 5 gives no numbers, and neither its map nor its size is printed. Ours: each cell "
+        "blocked with the density as probability, at the sizes and densities of the paper's "
+        "ordinary and complex environments, denser and smaller; start and goal drawn at least "
+        f"{APART:g} sides apart in x or y, connected. A diagonal step needs both cells beside it "
+        "free.",
+        "Traditional: the chess-board distance. Where a diagonal step costs the square root of 2 "
+        "it underestimates diagonal ways, so the search is exact, as it is with the octile "
+        "distance. The paper defines that cost among its improvements, and the ties of Fig. 3 are "
+        "ties where it is 1: that is the other reading, for first plans.",
         "Eq. 17 as printed adds sqrt(2) min(dx, dy) + dx + dy where the octile distance has "
         "|dx - dy| in the second term, and a weight w that grows from 1 at the vessel to 2 at "
         "the goal: it overestimates even on an empty map. *Octile with the weight*: w times the "
         "octile distance.",
+        "Figs. 3 and 4: neither the vessel nor the obstacles are in the text. The vessel is at "
+        f"{' or '.join(VESSELS)}, the only nodes above row C from which the nodes that the text "
+        f"has tied are tied, the goal at {GOAL}; no obstacles. Both give the same.",
         "Expanded: cells taken off the queue and made consistent in the first plan, as the grey "
-        "cells of Fig. 5. The planner's counts and those of the plain search that draws them "
-        f"agree on the map that is shown: {'yes' if found['shown']['counts_agree'] else 'no'}.",
+        "cells of Fig. 5.",
         "While the map changes: with every move so many cells drawn anywhere on the map change "
         f"between free and blocked, and the vessel notices within {SENSING[0]} x {SENSING[1]} "
         "cells. The paper's 3 % per cell and move would drive the whole map to half blocked.",
     ]
 
 
-def _shown(found: Found) -> str:
-    shown = found["shown"]
+def sections(numbers: Numbers) -> list[Section]:
+    """The tables."""
+    maps = f"{numbers['maps']:,}"
+    return [
+        Section("Fig. 5 on one map", [_shown(numbers)]),
+        Section(
+            f"First plans on {maps} maps",
+            [
+                "Means with bootstrap intervals; the ratio of expansions is the geometric mean "
+                "over maps with its t interval; shares with Wilson intervals. *Of traditional*, "
+                "*as short* and *same cells* are against the chess-board distance with diagonal "
+                "steps of the square root of 2, whose path is a shortest one; in brackets against "
+                "that with diagonal steps of 1, whose path has the fewest moves.",
+                _plans(numbers),
+            ],
+        ),
+        Section(
+            f"Episodes on {maps} maps that change",
+            [
+                "All expansions from start to goal, on the n maps where the vessel arrives with "
+                "every heuristic. Out of budget: a single replanning took more than 16 "
+                "expansions per cell of the map and was given up.",
+                _episodes(numbers),
+            ],
+        ),
+    ]
+
+
+def _shown(numbers: Numbers) -> Sheet:
+    shown = numbers["shown"]["heuristics"]
+    old = shown[TRADITIONAL]
     rows = [
         [
-            HEURISTICS[heuristic],
+            WORDS[name],
             str(own["expanded"]),
-            f"{own['expanded'] / shown['heuristics'][TRADITIONAL]['expanded']:.3f}",
-            f"{own['length']:.2f}",
-            f"{own['length'] / shown['heuristics'][TRADITIONAL]['length']:.3f}",
+            fixed(own["expanded"] / old["expanded"], 3),
+            fixed(own["length"], 2),
+            fixed(own["length"] / old["length"], 3),
         ]
-        for heuristic, own in shown["heuristics"].items()
+        for name, own in shown.items()
     ]
-    header = ["Heuristic", "Expanded", "of traditional", "Length", "of the shortest"]
-    return f"The first map of {shown['condition']}; it was not chosen.\n\n" + grid(header, rows)
+    title = f"The first map of {numbers['shown']['condition']}; it was not chosen."
+    header = ["Heuristic", "Expanded", "of traditional", "Length (cells)", "of the shortest"]
+    return Sheet(title, header, rows)
 
 
-def _plans(found: Found) -> str:
+def _plans(numbers: Numbers) -> Sheet:
     header = ["Maps", "n", "Heuristic", "Expanded", "of traditional", "Length ratio to optimal"]
     header += ["Largest", "As short (%)", "Same cells (%)"]
     rows = []
-    for label, table in found["plans"].items():
-        for heuristic, row in table["heuristics"].items():
-            worst = row["longest_ratio"]
+    for label, table in numbers["plans"].items():
+        for name, row in table["heuristics"].items():
+            old, unit = row["against"][TRADITIONAL], row["against"][UNIT]
             rows.append(
                 [
                     label,
                     f"{table['n']:,}",
-                    HEURISTICS[heuristic],
-                    interval(row["expanded"], 1, 0),
-                    interval(row["times"], 1, 3),
-                    interval(row["length_ratio"], 1, 4),
-                    "-" if worst is None else f"{worst:.3f}",
-                    interval(row["same_length"], 100, 1),
-                    interval(row["same_cells"], 100, 1),
+                    WORDS[name],
+                    interval(row["expanded"], digits=0),
+                    f"{interval(old['times'], digits=3)} ({fixed(unit['times']['value'], 3)})",
+                    interval(row["length_ratio"], digits=4),
+                    fixed(row["longest_ratio"], 3),
+                    *(
+                        f"{interval(old[same], 100, digits=1)} ({percent(unit[same]['value'], 1)})"
+                        for same in ("as_short", "same_cells")
+                    ),
                 ]
             )
-    text = (
-        "Means with bootstrap intervals; the ratio of expansions is the geometric mean over maps "
-        "with its t interval; shares with Wilson intervals. As short: the path has the length of "
-        "the traditional one, which is the shortest. Same cells: it is that path."
-    )
-    return text + "\n\n" + grid(header, rows)
+    return Sheet("", header, rows, words=3)
 
 
-def _episodes(found: Found) -> str:
+def _episodes(numbers: Numbers) -> Sheet:
     header = ["Maps", "n", "Heuristic", "Reached (%)", "Out of budget (%)", "Expanded"]
     header += ["of traditional", "of them in replanning", "Length, of traditional"]
-    rows = []
-    for label, table in found["episodes"].items():
-        for heuristic, row in table["heuristics"].items():
-            rows.append(
-                [
-                    label,
-                    f"{table['n']:,}",
-                    HEURISTICS[heuristic],
-                    interval(row["reached"], 100, 1),
-                    interval(row["out_of_budget"], 100, 1),
-                    interval(row["expanded"], 1, 0),
-                    interval(row["times"], 1, 3),
-                    interval(row["replanning"], 1, 0),
-                    interval(row["length_ratio"], 1, 4),
-                ]
-            )
-    text = (
-        "All expansions from start to goal, on the n maps where the vessel arrives with every "
-        "heuristic. Out of budget: a single replanning took more than 16 expansions per cell of "
-        "the map and was given up."
-    )
-    return text + "\n\n" + grid(header, rows)
+    rows = [
+        [
+            label,
+            f"{table['n']:,}",
+            WORDS[name],
+            interval(row["reached"], 100, digits=1),
+            interval(row["out_of_budget"], 100, digits=1),
+            interval(row["expanded"], digits=0),
+            interval(row["times"], digits=3),
+            interval(row["replanning"], digits=0),
+            interval(row["length_ratio"], digits=4),
+        ]
+        for label, table in numbers["episodes"].items()
+        for name, row in table["heuristics"].items()
+    ]
+    return Sheet("", header, rows, words=3)
