@@ -86,7 +86,7 @@ def _whole(where: str, row: Statistics) -> Check:
 
 
 def _p(where: str, row: Statistics, proposed: Statistics) -> Check:
-    """p of a t-test from the printed means and deviations.
+    """P of a t-test from the printed means and deviations.
 
     Pairs that correlate in any way have a deviation of differences between the difference and the
     sum of both; a test of one sample against the other's mean takes the deviation of one of them.
@@ -95,7 +95,8 @@ def _p(where: str, row: Statistics, proposed: Statistics) -> Check:
     assert row.p is not None
     samples = (row.mean, row.std, RUNS, proposed.mean, proposed.std, RUNS)
     welch, pooled = (
-        float(stats.ttest_ind_from_stats(*samples, equal_var=equal).pvalue) for equal in (False, True)
+        float(stats.ttest_ind_from_stats(*samples, equal_var=equal).pvalue)
+        for equal in (False, True)
     )
     t = math.sqrt(RUNS) * abs(row.mean - proposed.mean)
     spreads = (abs(row.std - proposed.std), row.std, proposed.std)

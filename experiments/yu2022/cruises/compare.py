@@ -11,11 +11,11 @@ from experiments.runs import Found
 from experiments.yu2022.cruises.detection import detection
 from experiments.yu2022.cruises.published import PROPOSED, RUNS
 from experiments.yu2022.cruises.runs import (
-    CELL,
     ENCODINGS,
     ENVIRONMENTS,
     FLIPS,
     LABELS,
+    SWARMS,
     USUAL,
     Sailed,
     sailed_by,
@@ -148,7 +148,7 @@ def _row(values: np.ndarray) -> dict[str, Any]:
 
 
 def _welch(row: Mapping[str, Any], proposed: Mapping[str, Any]) -> float | None:
-    """p of Welch's t-test of two rows; None where there are too few values or they are all equal."""
+    """Welch's t-test of two rows, its p; None of too few values, or where they are all equal."""
     if min(row["n"], proposed["n"]) < 2 or not (row["std"] or proposed["std"]):
         return None
     samples = (one[key] for one in (row, proposed) for key in ("mean", "std", "n"))
@@ -176,29 +176,33 @@ def _orders(sailed: Sails) -> dict[str, Any]:
             if method in sailed
         }
         n = min(map(len, tours.values()))
-        own = tours[PROPOSED]
-        alike = {name: _alike(tour[:n], own[:n]) for name, tour in tours.items()}
-        swarms = [alike[name] for name in alike if name not in ("gwo", PROPOSED)]
+        alike = {name: _alike(tour, tours[PROPOSED]) for name, tour in tours.items()}
+        every = np.array([own[:n] for own in alike.values()])
+        swarms = np.array([own[:n] for name, own in alike.items() if name in SWARMS])
         found[encoding] = {
-            "all": estimates.share(np.all(list(alike.values()), axis=0)),
-            "wolves": estimates.share(_alike(tours["gwo"], own)),
-            "swarms_differ": estimates.share(~np.any(swarms, axis=0)),
-            "runs": n,
+            "all": _share(every.all(axis=0)),
+            "wolves": _share(alike["gwo"]),
+            "swarms_differ": _share(~swarms.any(axis=0)),
         }
     return found
 
 
+def _share(which: np.ndarray) -> dict[str, Any]:
+    return {**estimates.share(which), "count": int(which.sum()), "runs": len(which)}
+
+
 def _alike(tours: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Which are of the same length, bool[n]."""
-    alike: np.ndarray = np.abs(tours / others - 1.0) < SHORTEST
+    n = min(len(tours), len(others))
+    alike: np.ndarray = np.abs(tours[:n] / others[:n] - 1.0) < SHORTEST
     return alike
 
 
 def _times(cases: Mapping[str, Mapping[str, list[float]]]) -> dict[str, Any]:
     """Seconds of single cruises in every case, and whether the proposed one takes less.
 
-    In Case 1 by the Mann-Whitney test of its cruises; over all cases by the t-test of the logarithms
-    of how many times as long each case takes.
+    In Case 1 by the Mann-Whitney test of its cruises; over all cases by the t-test of the
+    logarithms of how many times as long each case takes.
     """
     found: dict[str, Any] = {"cases": {}, "case_1": {}, "all": {}}
     for case, rows in cases.items():
@@ -219,7 +223,9 @@ def _times(cases: Mapping[str, Mapping[str, list[float]]]) -> dict[str, Any]:
         }
         found["all"][encoding] = {
             rival: _times_as_long(
-                np.array([np.median(rows[method]) / np.median(rows[own]) for rows in cases.values()])
+                np.array(
+                    [np.median(rows[method]) / np.median(rows[own]) for rows in cases.values()]
+                )
             )
             for rival, method in rivals.items()
         }

@@ -1,4 +1,4 @@
-"""The grey areas of Figs. 9, 10, 14 and 15: what the vessel has seen, and what searches expanded."""
+"""The grey areas of Figs. 9, 10, 14 and 15: cells that the vessel saw or that were expanded."""
 
 from typing import Any
 

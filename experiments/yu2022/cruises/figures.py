@@ -1,6 +1,7 @@
 """Figs. 6 to 15 of Yu et al. 2022 on maps of ours, and the spread of many cruises."""
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from experiments.yu2022.cruises.published import RUNS, STATISTICS
 from experiments.yu2022.cruises.report import PRINTED
 from experiments.yu2022.cruises.runs import (
     CELL,
-    ENVIRONMENTS,
     LABELS,
     SMOOTHED,
     USUAL,
@@ -44,11 +44,9 @@ def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
             continue
         yield Drawing(
             _NAMES[environment],
-            f"One cruise of each algorithm on the same map, {environment} environment, Case 1: that "
-            "of median length (job "
-            f"{job}) of the proposed algorithm with random keys among the first {RUNS} that all of "
-            "these completed. Blue numbers are the order of visits, the map is as it was at "
-            "first.",
+            f"One cruise of each algorithm on the same map, {environment} environment, Case 1: "
+            f"of the first {RUNS} that all of these completed, the one of median length by the "
+            f"proposed algorithm with random keys (job {job}). Numbers are the order of visits.",
             maps_figure(found, environment, job),
         )
     yield Drawing(
@@ -212,7 +210,7 @@ def clear_spots(
 
 def _dense(line: np.ndarray) -> np.ndarray:
     """Points along a line, a quarter of a cell apart or less."""
-    ends = list(zip(line[:-1], line[1:], strict=True))
+    ends = list(pairwise(line))
     steps = [max(1, int(4 * np.hypot(*(b - a)))) for a, b in ends]
     parts = [np.linspace(a, b, step + 1) for (a, b), step in zip(ends, steps, strict=True)]
     return np.concatenate(parts)

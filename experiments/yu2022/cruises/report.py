@@ -100,7 +100,9 @@ def sections(numbers: Numbers) -> list[Section]:
                 f"Planning time, {environment} environment",
                 [_times(numbers["seconds"][environment]["cases"], environment)],
             ),
-            Section(f"Table {second}: all cases, {environment} environment", _cases(cases, environment)),
+            Section(
+                f"Table {second}: all cases, {environment} environment", _cases(cases, environment)
+            ),
             Section(f"The order of stations, {environment} environment", _tours(cases)),
             Section(f"What each part brings, {environment} environment", _parts(cases)),
             Section(

@@ -120,7 +120,7 @@ def runs(options: YuOptions) -> dict[str, Run]:
         BadInputError: fewer than one run.
     """
     plan = LOOK if options.quick else ALL
-    sailed, few = options.size("runs", FULL, QUICK), options.size("swarm_runs", RUNS, 2)
+    sailed, few = options.size("runs", FULL, QUICK), options.size("swarm_runs", RUNS, 1)
     calmer = [kind for kind in plan.flips if kind not in (USUAL, FLOOD)]
     studies = {
         "cases": (WOLVES, plan.cases, [USUAL], sailed),
@@ -214,9 +214,7 @@ class Sailed:
         return self.columns[f"smooth_{name}" if self.smoothed else name].astype(np.float64)
 
 
-def sailed_by(
-    found: Found, environment: str, case: int, flips: str, method: str
-) -> Sailed | None:
+def sailed_by(found: Found, environment: str, case: int, flips: str, method: str) -> Sailed | None:
     """The cruises of a method; None where there are none."""
     label = label_of(environment, case, flips)
     for ran in found.studies.values():
