@@ -4,50 +4,71 @@ from collections.abc import Mapping
 from itertools import takewhile
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
+from scipy.special import beta
 
-from experiments.yu2022.functions.published import ALGORITHMS, ITERATIONS, MEAN, RUNS
-from experiments.yu2022.functions.runs import WOLF_BUDGETS, Job, Results
-from usvjax.swarms.minimising import MinimiseResult
-from usvkernels.swarms.laws import GwoParams, convergence
+from experiments.runs import Columns, Found
+from experiments.yu2022.functions.mission import MARKS
+from experiments.yu2022.functions.published import ITERATIONS, MEAN, MU, PROPOSED, RUNS
+from experiments.yu2022.functions.runs import (
+    ALGORITHMS,
+    OTHERS,
+    READINGS,
+    WITH_OWN,
+    WOLVES_ONLY,
+    label,
+)
 
-CHECKPOINTS = (50, 100, 200)
-"""Iterations at which convergence is compared (Fig. 16)."""
+CHECKPOINTS = (10, 20, 40)
+"""Marks at which convergence is compared (Fig. 16): a quarter, half and all of the iterations."""
+EXPERIMENTS = 2000
+"""Drawn from our runs, each of as many runs as the paper's."""
+OF_EACH = 0.01
+"""Share of experiments outside the interval of one of the five means."""
 PAIRS = ((1.0, 0.1), (1.0, 0.0), (5.0, 0.1), (20.0, 0.1), (1.0, 0.5))
 """(lambda1, lambda2) of Fig. 2; those of the paper's curves, but for the chosen ones, are not
 legible in its text."""
 
-
-def compare(results: Results) -> dict[str, Any]:
-    """Everything for results.json.
-
-    Args:
-        results: of `run_all`.
-    """
-    found: dict[str, Any] = {}
-    for job, result in results.items():
-        tables = found.setdefault(job.function, {})
-        if job.kind == "longer":
-            row = tables.setdefault("longer", {}).setdefault(job.algorithm, {})
-            row.update(_budgets(job, result))
-        else:
-            tables.setdefault(job.kind, {})[job.algorithm] = _row(job, result)
-    for function, tables in found.items():
-        tables.update(budgets_met(function, tables))
-    return {"functions": found, "laws": laws()}
+Rows = Mapping[str, Columns]
 
 
-def _row(job: Job, result: MinimiseResult) -> dict[str, Any]:
-    history = result.history
-    marks = [t for t in CHECKPOINTS if t <= history.shape[1]]
+def measure(found: Found) -> dict[str, Any]:
+    """All tables."""
+    budget, longest = found.studies["budget"], found.studies["longest"]
+    functions = [condition.varied["swarm.function"] for condition in longest.spec.conditions]
+    tables = {}
+    for function in functions:
+        columns: dict[str, Rows] = {
+            kind: {name: budget.columns(label(function, kind), name) for name in ALGORITHMS}
+            for kind in READINGS
+        }
+        own = found.studies["own"]
+        columns["own"] = {name: own.columns(label(function, "own"), name) for name in WITH_OWN}
+        table: dict[str, Any] = {
+            kind: {name: row_of(one) for name, one in rows.items()}
+            for kind, rows in columns.items()
+        }
+        table["longer"] = _longer(found, function)
+        table["experiments"] = {
+            kind: experiments(columns["budget"] | dict(columns[kind]))
+            for kind in ("budget", "own", "other")
+        }
+        tables[function] = table | budgets_met(function, table)
     return {
-        "evaluations": result.evaluations,
-        "population": job.population,
-        "iterations": job.iterations,
-        "printed": _statistics(result.best[:RUNS]),
-        "all": _statistics(result.best),
-        "at": {str(t): float(np.median(history[:, t - 1])) for t in marks},
+        "runs": budget.spec.episodes,
+        "longer_runs": longest.spec.episodes,
+        "functions": tables,
+        "laws": {f"{pair[0]:g}, {pair[1]:g}": law_row(law(pair)) for pair in PAIRS},
+        "law_from_one": law_row(law(PAIRS[0], 1)),
+    }
+
+
+def row_of(own: Columns) -> dict[str, Any]:
+    """One swarm on one function: the first runs, as many as are printed, and all of them."""
+    return {
+        "evaluations": int(own["evaluations"][0]),
+        "printed": _statistics(own["best"][:RUNS]),
+        "all": _statistics(own["best"]),
     }
 
 
@@ -62,16 +83,56 @@ def _statistics(best: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _budgets(job: Job, result: MinimiseResult) -> dict[str, dict[str, float]]:
-    """What was found within numbers of iterations."""
-    steps = [t for t in WOLF_BUDGETS if t <= job.iterations]
-    if job.algorithm in ("gwo", "igwo"):
-        steps = [job.iterations]
-    best = {t: result.history[:, t - 1] for t in steps}
+def experiments(rows: Rows) -> dict[str, Any]:
+    """What the paper's experiment would find with our swarms, drawn again and again.
+
+    Args:
+        rows: algorithm to its runs.
+
+    Returns:
+        "means": of each, the interval that holds all but `OF_EACH` of the means of 30 runs; the
+        share of experiments in which the proposed one has the least mean ("mean"), the least
+        standard deviation ("std"), and the lowest mean curve at all checkpoints ("curve").
+    """
+    rng = np.random.default_rng(0)
+    curves, spreads = [], []
+    for name in ALGORITHMS:
+        own = rows[name]
+        drawn = rng.integers(0, len(own["best"]), (EXPERIMENTS, RUNS))
+        curves.append([own[f"at_{mark}"][drawn].mean(axis=1) for mark in CHECKPOINTS])
+        spreads.append(own["best"][drawn].std(axis=1, ddof=1))
+    means = np.array(curves)  # [algorithm, mark, experiment]
+    place = ALGORITHMS.index(PROPOSED)
+    leads = means.argmin(axis=0) == place
     return {
-        str(t): {"mean": float(own.mean()), "median": float(np.median(own))}
-        for t, own in best.items()
+        "means": {
+            name: np.quantile(ends, [OF_EACH / 2, 1 - OF_EACH / 2]).tolist()
+            for name, ends in zip(ALGORITHMS, means[:, -1], strict=True)
+        },
+        "mean": float(leads[-1].mean()),
+        "std": float((np.array(spreads).argmin(axis=0) == place).mean()),
+        "curve": float(leads.all(axis=0).mean()),
     }
+
+
+def _longer(found: Found, function: str) -> dict[str, Any]:
+    """What was found within numbers of iterations."""
+    wolves, longest = found.studies["wolves"], found.studies["longest"]
+    budgets = sorted({one.varied["swarm.iterations"] for one in wolves.spec.conditions})
+    table: dict[str, Any] = {name: {} for name in ALGORITHMS}
+    for budget in budgets:
+        mark = MARKS * budget // budgets[-1]
+        for name in WOLVES_ONLY:
+            own = wolves.columns(label(function, str(budget)), name)
+            table[name][str(budget)] = _averages(own["best"])
+        for name in OTHERS:
+            own = longest.columns(label(function, "longest"), name)
+            table[name][str(budget)] = _averages(own[f"at_{mark}"])
+    return table
+
+
+def _averages(values: np.ndarray) -> dict[str, float]:
+    return {"mean": float(values.mean()), "median": float(np.median(values))}
 
 
 def budgets_met(function: str, tables: Mapping[str, Any]) -> dict[str, dict[str, int | None]]:
@@ -79,14 +140,14 @@ def budgets_met(function: str, tables: Mapping[str, Any]) -> dict[str, dict[str,
 
     Args:
         function: key of Table 8.
-        tables: its rows, "printed" and "longer".
+        tables: its rows, "budget" and "longer".
 
     Returns:
         "met_by_mean" and "met_by_median", each algorithm to the budget or None.
     """
     return {
         f"met_by_{word}": {
-            name: _met(tables, name, word, MEAN[function][name]) for name in tables["printed"]
+            name: _met(tables, name, word, MEAN[function][name]) for name in ALGORITHMS
         }
         for word in ("mean", "median")
     }
@@ -94,36 +155,34 @@ def budgets_met(function: str, tables: Mapping[str, Any]) -> dict[str, dict[str,
 
 def _met(tables: Mapping[str, Any], algorithm: str, word: str, wanted: float) -> int | None:
     """Fewest of the budgets tried that meets what is wanted, as do all longer ones."""
-    found = {ITERATIONS: tables["printed"][algorithm]["printed"][word]}
+    found = {ITERATIONS: tables["budget"][algorithm]["printed"][word]}
     found |= {int(t): own[word] for t, own in tables["longer"][algorithm].items()}
     longest_first = sorted(found, reverse=True)
     meeting = list(takewhile(lambda t: found[t] <= wanted, longest_first))
     return meeting[-1] if meeting else None
 
 
-def laws() -> dict[str, Any]:
-    """Eq. 14 at the first, sixth and last iteration, and how soon it is below the linear law."""
-    linear = np.asarray(convergence("linear", ITERATIONS, GwoParams()))[:, 0]
-    found = {}
-    for pair in PAIRS:
-        a = law(pair)
-        above = np.flatnonzero(a > linear)
-        later = above[above > 0]
-        found[f"{pair[0]:g}, {pair[1]:g}"] = {
-            "first": float(a[0]),
-            "sixth": float(a[5]),
-            "last": float(a[-1]),
-            "above_linear_from": int(later[0]) if len(later) else None,
-        }
-    return found
+def law(pair: tuple[float, float], first: int = 0) -> np.ndarray:
+    """Eq. 14 with the printed mu and these lambdas; float[iterations], t from `first` on."""
+    t = np.arange(ITERATIONS) + first
+    a: np.ndarray = MU[0] * beta(MU[1], (t + pair[0]) / ITERATIONS) + pair[1]
+    return a
 
 
-def law(pair: tuple[float, float]) -> np.ndarray:
-    """Eq. 14 with the printed mu and these lambdas; float[iterations]."""
-    params = GwoParams(lambda1=jnp.float32(pair[0]), lambda2=jnp.float32(pair[1]))
-    return np.asarray(convergence("beta", ITERATIONS, params))[:, 0]
+def linear_law() -> np.ndarray:
+    """Eq. 2; float[iterations]."""
+    a: np.ndarray = 2.0 - 2.0 * np.arange(ITERATIONS) / ITERATIONS
+    return a
 
 
-def names(found: Mapping[str, Any]) -> list[str]:
-    """The algorithms in the order of Table 9."""
-    return [name for name in ALGORITHMS if name in found]
+def law_row(a: np.ndarray) -> dict[str, Any]:
+    """a(t) at the first, sixth and last iteration, when it is halved, and when above Eq. 2."""
+    above = np.flatnonzero(a > linear_law())
+    later = above[above > 0]
+    return {
+        "first": float(a[0]),
+        "sixth": float(a[5]),
+        "last": float(a[-1]),
+        "halved": int(np.argmax(a <= a[0] / 2)) if (a <= a[0] / 2).any() else None,
+        "above_linear_from": int(later[0]) if len(later) else None,
+    }

@@ -1,20 +1,23 @@
 """Figs. 2 and 16 of Yu et al. 2022, and what longer runs and moved optima add to them."""
 
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.yu2022.functions.compare import PAIRS, law, names
-from experiments.yu2022.functions.published import ALGORITHMS, ITERATIONS, MEAN
-from experiments.yu2022.functions.runs import Results
-from usvjax.plots import save, style
+from experiments.claims import Numbers
+from experiments.paper import Drawing
+from experiments.runs import Found, Ran
+from experiments.yu2022.functions.compare import PAIRS, law, linear_law
+from experiments.yu2022.functions.mission import MARKS, iteration_at
+from experiments.yu2022.functions.published import ITERATIONS, MEAN
+from experiments.yu2022.functions.report import BUDGET, WORDS
+from experiments.yu2022.functions.runs import label
+from usvjax.plots import style
 from usvkernels.swarms.functions import TABLE_8
 
-DPI = 130
 _PUBLISHED_AT = 75  # place of the published values on an axis of iterations
 _ZERO_BELOW = 0.12  # room below the least value for zeros, as a share of the decades above it
 _LEAST_DECADE = -305.0  # of float64
@@ -34,21 +37,32 @@ _LAW_LOOKS = (
 )
 
 
-def draw(results: Results, found: Mapping[str, Any], folder: Path) -> list[Path]:
-    """Draw all figures.
-
-    Args:
-        results: of `run_all`.
-        found: of `compare`.
-        folder: to write to.
-    """
-    figures = {
-        "fig2.png": fig2(),
-        "fig16.png": fig16(results),
-        "function_budgets.png": budgets(found["functions"]),
-        "function_shift.png": shift(found["functions"]),
-    }
-    return [save(figure, folder / name, dpi=DPI) for name, figure in figures.items()]
+def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
+    """Draw them all."""
+    functions = numbers["functions"]
+    yield Drawing(
+        "fig2",
+        "As Fig. 2: the convergence factor by Eq. 14 for several lambdas, and the linear law; "
+        "right, the first iterations.",
+        fig2(),
+    )
+    yield Drawing(
+        "fig16",
+        f"As Fig. 16: the mean of the least value so far, {numbers['runs']:,} runs of {BUDGET}.",
+        fig16(found.studies["budget"], list(functions)),
+    )
+    yield Drawing(
+        "function_budgets",
+        "Mean least value against the number of iterations, beside the published means (open); a "
+        "value of exactly 0 stands on the dotted line at the foot.",
+        budgets(functions),
+    )
+    yield Drawing(
+        "function_shift",
+        f"Median least value of {numbers['runs']:,} runs with the optimum at the origin and "
+        "elsewhere.",
+        shift(functions),
+    )
 
 
 @style.styled
@@ -58,7 +72,7 @@ def fig2() -> Figure:
     t = np.arange(ITERATIONS)
     axes = fig.subplots(1, 2, sharey=True)
     for ax in axes:
-        ax.plot(t, 2 - 2 * t / ITERATIONS, color=style.BLACK, label="linear (Eq. 2)")
+        ax.plot(t, linear_law(), color=style.BLACK, label="linear (Eq. 2)")
         for pair, look in zip(PAIRS, _LAW_LOOKS, strict=True):
             label = f"Eq. 14, \u03bb\u2081 = {pair[0]:g}, \u03bb\u2082 = {pair[1]:g}"
             ax.plot(t, law(pair), color=look.colour, linestyle=look.line, label=label)
@@ -75,20 +89,15 @@ def fig2() -> Figure:
 
 
 @style.styled
-def fig16(results: Results) -> Figure:
+def fig16(ran: Ran, functions: list[str]) -> Figure:
     """Mean convergence of all five on every function."""
-    curves = {
-        (job.function, job.algorithm): result.history
-        for job, result in results.items()
-        if job.kind == "printed"
-    }
-    functions = list(dict.fromkeys(function for function, _ in curves))
     fig, panels = _panels(len(functions))
+    t = [iteration_at(mark, ITERATIONS) for mark in range(1, MARKS + 1)]
     for ax, function in zip(panels, functions, strict=True):
         for name, look in LOOKS.items():
-            history = curves[function, name]
-            t = np.arange(1, history.shape[1] + 1)
-            ax.plot(t, history.mean(axis=0), color=look.colour, linestyle=look.line)
+            own = ran.columns(label(function, "budget"), name)
+            means = [own[f"at_{mark}"].mean() for mark in range(1, MARKS + 1)]
+            ax.plot(t, means, color=look.colour, linestyle=look.line)
         ax.set(yscale="log", xlabel="iteration", ylabel="least value so far, mean")
         style.plain_powers(ax.yaxis)
         ax.set_title(f"{function}, {TABLE_8[function].name}")
@@ -107,7 +116,7 @@ def budgets(found: Mapping[str, Any]) -> Figure:
     for ax, (function, own) in zip(panels, found.items(), strict=True):
         floor = _floor(function, own)
         for name, look in LOOKS.items():
-            means = {ITERATIONS: own["printed"][name]["printed"]["mean"]}
+            means = {ITERATIONS: own["budget"][name]["printed"]["mean"]}
             means |= {int(t): one["mean"] for t, one in own["longer"][name].items()}
             ax.plot(
                 list(means),
@@ -137,7 +146,7 @@ def _floor(function: str, own: Mapping[str, Any]) -> float | None:
     """Where a logarithmic axis shows 0: well below all else; None where nothing is 0."""
     values = [*MEAN[function].values()]
     for name in LOOKS:
-        values.append(own["printed"][name]["printed"]["mean"])
+        values.append(own["budget"][name]["printed"]["mean"])
         values += [one["mean"] for one in own["longer"][name].values()]
     above = np.log10([value for value in values if value > 0])
     if len(above) == len(values):
@@ -170,14 +179,15 @@ def shift(found: Mapping[str, Any]) -> Figure:
     """Medians with the optimum at the origin and elsewhere, side by side."""
     fig, panels = _panels(len(found))
     for ax, (function, own) in zip(panels, found.items(), strict=True):
-        order = names(own["shifted"])
+        order = list(own["moved"])
         for place, name in enumerate(order):
             look = LOOKS[name]
-            ends = [own[kind][name]["all"]["median"] for kind in ("printed", "shifted")]
-            ax.plot([place, place], ends, color=look.colour, linewidth=0.8)
-            ax.plot([place], ends[:1], marker="o", color=look.colour, markerfacecolor="white")
-            ax.plot([place], ends[1:], marker="o", color=look.colour)
-        ax.set_xticks(range(len(order)), [ALGORITHMS[name].split()[0] for name in order])
+            ends = [own[kind][name]["all"]["median"] for kind in ("budget", "moved")]
+            at = [place - 0.12, place + 0.12]  # beside one another, where the values are alike
+            ax.plot(at, ends, color=look.colour, linewidth=0.8)
+            ax.plot(at[:1], ends[:1], marker="o", color=look.colour, markerfacecolor="white")
+            ax.plot(at[1:], ends[1:], marker="o", color=look.colour)
+        ax.set_xticks(range(len(order)), [WORDS[name].split()[0] for name in order])
         ax.set_xlim(-0.5, len(order) - 0.5)
         ax.set(yscale="log", ylabel="least value, median")
         style.plain_powers(ax.yaxis)
@@ -194,9 +204,10 @@ def shift(found: Mapping[str, Any]) -> Figure:
 
 
 def _panels(count: int) -> tuple[Figure, list[Axes]]:
-    rows = -(-count // 2)
+    columns = min(count, 2)
+    rows = -(-count // columns)
     fig = style.new_figure(style.DOUBLE_MM, 15 + 58 * rows)
-    axes = list(fig.subplots(rows, 2).flat)
+    axes = list(fig.subplots(rows, columns, squeeze=False).flat)
     for spare in axes[count:]:
         spare.remove()
     return fig, axes[:count]
@@ -205,7 +216,7 @@ def _panels(count: int) -> tuple[Figure, list[Axes]]:
 def _legend(fig: Figure, marker: bool) -> None:
     handles = []
     for name, look in LOOKS.items():
-        handle = style.method_handle(look, ALGORITHMS[name])
+        handle = style.method_handle(look, WORDS[name])
         if not marker:
             handle.set_marker("")
         handles.append(handle)

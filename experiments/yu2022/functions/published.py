@@ -1,13 +1,5 @@
 """What Yu et al. 2022 print about the swarms on test functions: Tables 8 and 9, section 5.3."""
 
-ALGORITHMS = {
-    "aco": "ACO",
-    "ga": "GA",
-    "cmpso": "CMPSO",
-    "gwo": "GWO",
-    "igwo": "IGWO (proposed)",
-}
-"""What `minimise` calls them to what the report does, in the order of Table 9."""
 PROPOSED = "igwo"
 
 RUNS = 30
@@ -29,4 +21,5 @@ STD = {
 }
 """Table 9."""
 
+MU = (0.01, 0.1)  # Table 2
 LAMBDAS = (1.0, 0.1)  # Table 2

@@ -1,122 +1,93 @@
-"""Runs of every swarm on every function: the printed budget, longer ones, shifted functions."""
+"""Runs of every swarm on every function: the printed budget, other settings, longer budgets."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from typing import Any
 
-import jax
-import numpy as np
+from experiments.runs import Run, Study
+from experiments.yu2022.functions.mission import MISSION
+from experiments.yu2022.functions.published import ITERATIONS, RUNS, WOLVES
+from usvjax.errors import BadInputError
+from usvjax.registry import register_mission
+from usvkernels.swarms.functions import TABLE_8
 
-from experiments.parallel import on_own_devices
-from experiments.yu2022.functions.published import ALGORITHMS, DIM, ITERATIONS, WOLVES
-from usvjax.swarms.algorithms import ALGORITHMS as METHODS
-from usvjax.swarms.minimising import MinimiseResult, minimise
-from usvkernels.swarms.functions import TABLE_8, Shifted, shifted
+KIND = "yu2022_swarms"
+register_mission(KIND, "experiments.yu2022.functions.mission:MISSION")
 
-WOLF_BUDGETS = (500, 1000, 1250, 2500, 5000)
-"""Iterations of longer runs of the wolves, whose a(t) depends on their number."""
-LONGEST = 5000
-"""Iterations of one longer run of the others."""
-SHIFT = 0.5
-"""Most that the optimum is moved, as a share of the upper bound."""
-
-
-@dataclass(frozen=True)
-class Job:
-    """Runs of one swarm on one function.
-
-    Attributes:
-        kind: "printed" (20 members, 200 iterations), "own" (the paper's settings of each),
-            "shifted" (as printed, the optimum moved) or "longer".
-        function: key of Table 8.
-        algorithm: as `minimise` names it.
-        population: members.
-        iterations: number.
-        runs: number.
-    """
-
-    kind: str
-    function: str
-    algorithm: str
-    population: int
-    iterations: int
-    runs: int
+SEED = 2022
+MANY, QUICK_RUNS = 1000, 24
+ALGORITHMS = list(MISSION.methods)
+WOLVES_ONLY = ["gwo", "igwo"]
+OTHERS = ["aco", "ga", "cmpso"]
+WITH_OWN = ["aco", "ga"]
+"""Whose settings in the paper are not 20 members and 200 iterations."""
+BUDGETS, QUICK_BUDGETS = (500, 1000, 1250, 2500, 5000), (500, 1000)
+"""Iterations of longer runs: of the wolves a run each, since a(t) depends on their number; of the
+others shares of the longest."""
+READINGS: dict[str, dict[str, Any]] = {
+    "budget": {},
+    "moved": {"moved": True},
+    "other": {"settings": "other"},
+}
+"""What is run on the budget of Table 2."""
 
 
-Results = dict[Job, MinimiseResult]
-
-
-def jobs_for(runs: int, longer_runs: int, quick: bool) -> list[Job]:
-    """Everything that the report needs.
+def runs(options: Any) -> dict[str, Run]:
+    """All runs.
 
     Args:
-        runs: on the printed budget.
-        longer_runs: on longer ones.
-        quick: one function and few budgets.
+        options: of the paper; `runs` of each swarm on each function.
+
+    Raises:
+        BadInputError: fewer than one run.
     """
-    functions = ("f1",) if quick else tuple(TABLE_8)
-    budgets = WOLF_BUDGETS[:2] if quick else WOLF_BUDGETS
-    longest = budgets[-1] if quick else LONGEST
-    jobs = []
-    for function in functions:
-        for algorithm in ALGORITHMS:
-            method = METHODS[algorithm]
-            job = partial(Job, function=function, algorithm=algorithm)
-            jobs.append(job("printed", population=WOLVES, iterations=ITERATIONS, runs=runs))
-            jobs.append(job("shifted", population=WOLVES, iterations=ITERATIONS, runs=runs))
-            if (method.population, method.iterations) != (WOLVES, ITERATIONS):
-                size = {"population": method.population, "iterations": method.iterations}
-                jobs.append(job("own", runs=runs, **size))
-            for iterations in budgets if algorithm in ("gwo", "igwo") else (longest,):
-                jobs.append(
-                    job("longer", population=WOLVES, iterations=iterations, runs=longer_runs)
-                )
-    return jobs
+    many = options.runs
+    if many is None:
+        many = QUICK_RUNS if options.quick else MANY
+    elif many < 1:
+        raise BadInputError(f"--runs: got {many}; wanted at least 1 run")
+    functions = list(TABLE_8)[: 1 if options.quick else None]
+    budgets = QUICK_BUDGETS if options.quick else BUDGETS
+    few = min(many, RUNS)
+    size = {"population": WOLVES, "iterations": ITERATIONS}
+    budget = {
+        label(f, kind): {"function": f, **size, **own}
+        for f in functions
+        for kind, own in READINGS.items()
+    }
+    own = {label(f, "own"): {"function": f} for f in functions}
+    wolves = {
+        label(f, str(t)): {"function": f, "population": WOLVES, "iterations": t}
+        for f in functions
+        for t in budgets
+    }
+    longest = {
+        label(f, "longest"): {"function": f, "population": WOLVES, "iterations": budgets[-1]}
+        for f in functions
+    }
+    return {
+        "budget": _study("budget", budget, many, ALGORITHMS),
+        "own": _study("own", own, many, WITH_OWN),
+        "wolves": _study("wolves", wolves, few, WOLVES_ONLY),
+        "longest": _study("longest", longest, few, OTHERS),
+    }
 
 
-def run_all(jobs: Sequence[Job], seed: int, advance: Callable[[int], None]) -> Results:
-    """Run all jobs in float64, the devices side by side.
-
-    Args:
-        jobs: what to run.
-        seed: of the draws, the same for all.
-        advance: called with 1 after each.
-    """
-
-    def work(job: Job) -> MinimiseResult:
-        found = run_job(job, seed)
-        advance(1)
-        return found
-
-    results: Results = {}
-    for function in dict.fromkeys(job.function for job in jobs):
-        chosen = [job for job in jobs if job.function == function]
-        done = on_own_devices([partial(work, job) for job in chosen])
-        results.update(zip(chosen, done, strict=True))
-        # A process can hold only so many programs.
-        jax.clear_caches()
-    return results
+def label(function: str, kind: str) -> str:
+    """Of a condition."""
+    return f"{function}, {kind}"
 
 
-def run_job(job: Job, seed: int) -> MinimiseResult:
-    """Run one in float64: the published values lie far below the least float32."""
-    function = TABLE_8[job.function]
-    fn = function.fn if job.kind != "shifted" else moved(job.function, seed)
-    return minimise(
-        fn,
-        function.bounds,
-        seed,
-        algorithm=job.algorithm,
-        dim=DIM,
-        runs=job.runs,
-        population=job.population,
-        iterations=job.iterations,
-        dtype="float64",
+def _study(
+    name: str, swarms: dict[str, dict[str, Any]], episodes: int, methods: list[str]
+) -> Study:
+    # A condition is one shard: it runs on one processor, and only there its swarms are compiled.
+    return Study(
+        {
+            "name": name,
+            "kind": KIND,
+            "seed": SEED,
+            "episodes": episodes,
+            "shard": episodes,
+            "methods": methods,
+            "conditions": [{"label": label, "swarm": own} for label, own in swarms.items()],
+        }
     )
-
-
-def moved(name: str, seed: int) -> Shifted:
-    """The function with its optimum at a random point, drawn once for all swarms."""
-    function = TABLE_8[name]
-    rng = np.random.default_rng([seed, int(name[1:])])
-    return shifted(function.fn, SHIFT * function.bounds[1] * rng.uniform(-1, 1, DIM))
