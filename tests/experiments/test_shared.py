@@ -15,7 +15,6 @@ from experiments.program import begin
 from experiments.tan2022 import __main__ as tan2022
 from experiments.textbook import LOWER_FIRST, STRAIGHTS_FIRST, UPPER_FIRST, Rules
 from experiments.wei2023 import __main__ as wei2023
-from experiments.yu2022 import __main__ as yu2022
 from experiments.zhang2019 import __main__ as zhang2019
 from experiments.zhang2019.runs import measure
 
@@ -24,7 +23,6 @@ PROGRAMS = {
     "chen2023": (chen2023, "--scenes"),
     "tan2022": (tan2022, "--episodes"),
     "wei2023": (wei2023, "--scenes"),
-    "yu2022": (yu2022, "--swarm-runs"),
     "zhang2019": (zhang2019, "--maps"),
 }
 
