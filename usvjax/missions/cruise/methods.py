@@ -69,12 +69,12 @@ METHODS: dict[str, CruiseMethod] = {
         heuristic="chebyshev",
     ),
     "proposed_swap": CruiseMethod(
-        "as proposed, but the wolves stand for tours by swap sequences instead of random keys",
+        "as proposed, wolves by swap sequences instead of random keys",
         "igwo_swap",
         heuristic="weighted",
     ),
     "gwo_swap": CruiseMethod(
-        "as gwo, but the wolves stand for tours by swap sequences instead of random keys",
+        "as gwo, wolves by swap sequences instead of random keys",
         "gwo_swap",
         heuristic="chebyshev",
     ),
