@@ -11,6 +11,7 @@ from experiments.runs import Found
 from experiments.yu2022.cruises.detection import detection
 from experiments.yu2022.cruises.published import PROPOSED, RUNS
 from experiments.yu2022.cruises.runs import (
+    BESIDE,
     ENCODINGS,
     ENVIRONMENTS,
     FLIPS,
@@ -130,7 +131,7 @@ def _table(sailed: Sails) -> dict[str, Any]:
                 for rival, method in names.items()
                 if rival != PROPOSED and method in rows
             }
-            for encoding, names in ENCODINGS.items()
+            for encoding, names in (ENCODINGS | BESIDE).items()
         }
     return table
 

@@ -26,7 +26,8 @@ def readings(numbers: Numbers) -> list[str]:
         "all cells are blocked within a few dozen moves, and no cruise comes home. Four readings "
         "count in Tables 3 and 6: 3 % in the 5 x 5 cells that the vessel sees, 1 % there, none at "
         "all, and 3 % everywhere, where Algorithms 1 to 3 were not run. All else is of 3 % in "
-        "the window.",
+        "the window. In brackets stands, where nothing changes, what the proposed one could be: "
+        "the shortest tour, exact D* Lite and its smoothing.",
         "Maps are not printed: every run has a map of its own, each cell blocked with the printed "
         "density as probability, the stations' cells free. Run k of every algorithm meets map k "
         "and its changes. The vessel's cell and the stations never change. Algorithms 1 to 3 plan "

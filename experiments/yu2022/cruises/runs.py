@@ -47,6 +47,8 @@ ENCODINGS: dict[str, dict[str, str]] = {
 }
 """How wolves stand for tours: of each algorithm of the paper the method of `kind = "cruise"`. Ants,
 genes and particles stand for tours in one way only."""
+BESIDE = {"shortest tour": {**ENCODINGS["swap sequences"], "proposed": "recommended"}}
+"""A reading that does not count: the proposed one as it could be."""
 
 LABELS = {
     "aco": "1: ACO",
