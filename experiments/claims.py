@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from usvjax.report import Section, Sheet
+from usvjax.report.numbers import NONE
 
 REPRODUCES = "reproduces"
 NOT_EXCLUDED = "not excluded"
@@ -40,7 +41,8 @@ class Claim:
         published: its numbers.
         measure: from the numbers found and what a reading stands for to a finding.
         readings: ways to read the paper, by label, and what each gives to `measure`. All of them
-            count: a claim reproduces where it holds under all, and fails where under none.
+            count: a claim reproduces where it holds under all, and fails where under none. Of
+            many, those with the same words before a colon are counted together on the page.
         beside: readings that stand beside these and do not count, such as what was chosen after
             the fact to come near to this very claim.
         test: how it is decided, and with what probability a true claim would fail; one sentence.
@@ -112,16 +114,16 @@ def summary(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def sheet(verdicts: Sequence[Verdict]) -> Sheet:
-    """Verdicts as a table: a column per reading; those in brackets do not count."""
-    counted = dict.fromkeys(label for one in verdicts for label in one.found)
-    beside = dict.fromkeys(label for one in verdicts for label in one.beside)
+    """Verdicts as a table: a column per reading, or kind of it; brackets mean it does not count."""
+    counted = dict.fromkeys(label for one in verdicts for label in _cells(one.found))
+    beside = dict.fromkeys(label for one in verdicts for label in _cells(one.beside))
     rows = [
         [
             one.claim,
             one.published,
             f"**{one.verdict}**",
-            *(_cell(one.found.get(label)) for label in counted),
-            *(_cell(one.beside.get(label)) for label in beside),
+            *(_cells(one.found).get(label, NONE) for label in counted),
+            *(_cells(one.beside).get(label, NONE) for label in beside),
         ]
         for one in verdicts
     ]
@@ -143,18 +145,34 @@ def section(verdicts: Sequence[Verdict]) -> Section:
     rows = []
     for one in verdicts:
         head = f"{one.claim} (published: {one.published}): {one.verdict.upper()}"
-        rows += [[head, label, _cell(found)] for label, found in one.found.items()]
-        rows += [[head, f"({label})", _cell(found)] for label, found in one.beside.items()]
+        rows += [[head, label, cell] for label, cell in _cells(one.found).items()]
+        rows += [[head, f"({label})", cell] for label, cell in _cells(one.beside).items()]
     return Section(
         "What reproduces", [Sheet("", ["", "Reading", "Found"], rows, words=3, headed=True)]
     )
 
 
-def _cell(finding: Finding | None) -> str:
-    if finding is None:
-        return "-"
-    word = {True: "yes", False: "no", None: "-"}[finding.holds]
-    return f"{word}: {finding.numbers}"
+def _cells(found: Mapping[str, Finding]) -> dict[str, str]:
+    """Findings by their reading; those that share the words before a colon are counted together."""
+    together: dict[str, dict[str, Finding]] = {}
+    for label, finding in found.items():
+        together.setdefault(label.partition(": ")[0], {})[label] = finding
+    cells = {}
+    for head, group in together.items():
+        if len(group) > 1:
+            cells[head] = _count(list(group.values()))
+        else:
+            cells |= {label: f"{_WORD[one.holds]}: {one.numbers}" for label, one in group.items()}
+    return cells
+
+
+_WORD = {True: "yes", False: "no", None: NONE}
+
+
+def _count(findings: Sequence[Finding]) -> str:
+    counts = {word: sum(one.holds is holds for one in findings) for holds, word in _WORD.items()}
+    words = [f"{word} {count}" for word, count in counts.items() if count]
+    return f"of {len(findings)}: {', '.join(words)}"
 
 
 @dataclass(frozen=True)

@@ -5,54 +5,82 @@ from typing import Any
 import numpy as np
 
 from experiments.estimates import mean, share, spread
-from experiments.wei2023.paths import STAGES, Measured, Stages
+from experiments.runs import Columns, Found
+from experiments.wei2023.mission import MEASURES, STAGES
 from experiments.wei2023.published import AFTER, BEFORE, COLLISION_RADIUS
+from experiments.wei2023.runs import FITTED, KINDS, SEARCHES, study_of
 
-METRICS = ("turns", "points", "turning", "length", "clearance")
+SHOWN = "euclidean"
 WINDOW = 3
 """By how many turning points a path may differ from the paper's and count as one like it."""
 _ALIKE = 1e-5
 
 
-def compare(stages: Stages) -> dict[str, Any]:
+def measure(found: Found) -> dict[str, Any]:
+    """All tables: kind of scenes, then search, then stage."""
+
+    def columns(kind: str, search: str) -> Columns:
+        return found.studies[study_of(search)].columns(kind, search)
+
+    shown = columns(FITTED, SHOWN)
+    job = nearest(shown)
+    return {
+        "scenes": found.studies["batched"].spec.episodes,
+        "tables": {
+            kind: {search: compare(columns(kind, search)) for search in SEARCHES} for kind in KINDS
+        },
+        "as_many": as_many(shown),
+        "shown": {
+            "scene": job,
+            "stages": {
+                stage: {name: float(shown[f"{name}_{stage}"][job]) for name in MEASURES}
+                for stage in STAGES
+            },
+        },
+    }
+
+
+def compare(own: Columns) -> dict[str, Any]:
     """Compare every stage with the path before.
 
     Returns:
-        Number of scenes; per stage the spread of every metric over scenes and its paired
+        Number of scenes; per stage the spread of every measure over scenes and its paired
         difference; the share of scenes with fewer turns, a longer path, less clearance, and
         less clearance than the collision radius.
     """
-    old = stages["before"]
+    stages = {}
+    for stage in STAGES:
+        pairs = {name: (own[f"{name}_{stage}"], own[f"{name}_before"]) for name in MEASURES}
+        stages[stage] = _stage(pairs)
+    return {"n": len(own["turns_before"]), "stages": stages}
+
+
+def _stage(pairs: dict[str, tuple[np.ndarray, np.ndarray]]) -> dict[str, Any]:
+    """Of each measure, the values now and before."""
+    turns, old_turns = pairs["turns"]
+    length, old_length = pairs["length"]
+    clear, old_clear = pairs["clearance"]
     return {
-        "n": len(old.turns),
-        "stages": {stage: _stage(stages[stage], old) for stage in STAGES},
+        "spread": {name: spread(new) for name, (new, _) in pairs.items()},
+        "difference": {name: mean(new - old) for name, (new, old) in pairs.items()},
+        "fewer_turns": share(turns < old_turns),
+        "longer": share(length > old_length * (1 + _ALIKE)),
+        "closer": share(clear < old_clear - _ALIKE),
+        "too_close": share(clear < COLLISION_RADIUS),
+        "as_published": share(turns <= AFTER),
     }
 
 
-def _stage(new: Measured, old: Measured) -> dict[str, Any]:
-    columns = {name: (getattr(new, name), getattr(old, name)) for name in METRICS}
-    return {
-        "spread": {name: spread(values) for name, (values, _) in columns.items()},
-        "difference": {name: mean(own - before) for name, (own, before) in columns.items()},
-        "fewer_turns": share(new.turns < old.turns),
-        "longer": share(new.length > old.length * (1 + _ALIKE)),
-        "closer": share(new.clearance < old.clearance - _ALIKE),
-        "too_close": share(new.clearance < COLLISION_RADIUS),
-        "as_published": share(new.turns <= AFTER),
-    }
-
-
-def nearest(stages: Stages) -> int:
+def nearest(own: Columns) -> int:
     """Choose the scene whose path before has as many turns as the paper's, or nearly; first."""
-    return int(np.abs(stages["before"].turns - BEFORE).argmin())
+    return int(np.abs(own["turns_before"] - BEFORE).argmin())
 
 
-def as_many(stages: Stages) -> dict[str, Any]:
+def as_many(own: Columns) -> dict[str, Any]:
     """What becomes of paths with about the published number of turns.
 
     Returns:
         Number of such paths, and of those with at most the published number afterwards.
     """
-    same = np.abs(stages["before"].turns - BEFORE) <= WINDOW
-    after = stages["key points"].turns[same]
-    return {"n": int(same.sum()), "after": int((after <= AFTER).sum())}
+    same = np.abs(own["turns_before"] - BEFORE) <= WINDOW
+    return {"n": int(same.sum()), "after": int((own["turns_keys"][same] <= AFTER).sum())}

@@ -1,69 +1,87 @@
 """Figs. 7 and 8 of Wei & Zhang 2023 on a scene of ours, and what many scenes add to them."""
 
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Patch
 
-from experiments.wei2023.paths import Stages
+from experiments.claims import Numbers
+from experiments.paper import Drawing
+from experiments.runs import Found
+from experiments.wei2023.compare import SHOWN
+from experiments.wei2023.mission import STAGES
 from experiments.wei2023.published import AFTER, BEFORE, COLLISION_RADIUS
-from experiments.wei2023.scenes import Scenes, centre_of
-from usvjax.plots import save, style
+from experiments.wei2023.runs import FITTED, SEARCHES, study_of
+from usvjax.mission import Replayed
+from usvjax.plots import style
 
-DPI = 130
 LOOKS = {
     ("euclidean", "before"): style.Look(style.ORANGE, "-", ""),
     ("octile", "before"): style.Look(style.BLACK, "--", ""),
-    ("euclidean", "key points"): style.Look(style.BLUE, "-", ""),
-    ("octile", "key points"): style.Look(style.GREEN, ":", ""),
+    ("euclidean", "keys"): style.Look(style.BLUE, "-", ""),
+    ("octile", "keys"): style.Look(style.GREEN, ":", ""),
 }
 
 
-def draw(
-    scenes: Scenes, job: int, searches: Mapping[str, Stages], side: float, folder: Path
-) -> list[Path]:
-    """Draw all figures.
-
-    Args:
-        scenes: of the kind that is shown.
-        job: number of the scene that is shown.
-        searches: search to stages, on these scenes.
-        side: of the scenes, nm.
-        folder: to write to.
-    """
-    figures = {
-        "fig7_8.png": fig7_8(scenes, job, searches["euclidean"], side),
-        "turning_points.png": turns_figure(searches),
-    }
-    return [save(figure, folder / name, dpi=DPI) for name, figure in figures.items()]
+def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
+    """Draw them all."""
+    scene = numbers["shown"]["scene"]
+    replayed = found.studies[study_of(SHOWN)].replay(FITTED, SHOWN, [scene])
+    yield Drawing(
+        "fig7_8",
+        f"As Figs. 7 and 8, on scene {scene} of ours ({FITTED}, {SEARCHES[SHOWN]}), which was "
+        f"chosen for its {BEFORE} turning points: the path before and after smoothing.",
+        fig7_8(replayed),
+    )
+    yield Drawing(
+        "turning_points",
+        f"Turning points before and after smoothing, and what it does to length and clearance: "
+        f"shares of {numbers['scenes']:,} scenes, {FITTED}.",
+        turns_figure(found),
+    )
 
 
 @style.styled
-def fig7_8(scenes: Scenes, job: int, stages: Stages, side: float) -> Figure:
+def fig7_8(replayed: Replayed) -> Figure:
     """Draw one global path before and after smoothing."""
-    fig = style.new_figure(style.DOUBLE_MM, 100)
+    fig = style.new_figure(style.DOUBLE_MM, 105)
+    side = replayed.case.given.side
     for ax, stage, number in zip(
-        fig.subplots(1, 2, sharey=True), ("before", "key points"), (7, 8), strict=True
+        fig.subplots(1, 2, sharey=True), ("before", "keys"), (7, 8), strict=True
     ):
-        own = stages[stage].some([job])
-        _draw_scene(ax, scenes.circles[job], side)
-        _draw_path(ax, centre_of(own.cells[0]))
+        _draw_scene(ax, replayed.scene.circles[0], side)
+        _draw_path(ax, replayed.recording.detail[stage][0])
+        turns, length, clear = (
+            replayed.columns[f"{name}_{stage}"][0] for name in ("turns", "length", "clearance")
+        )
         ax.set_title(
-            f"{stage} (Fig. {number}): {own.turns[0]} turning points,\n"
-            f"{own.length[0]:.2f} nm, clearance {own.clearance[0]:.2f} nm"
+            f"{STAGES[stage]} (Fig. {number}): {turns} turning points,\n"
+            f"{length:.2f} nm, clearance {clear:.2f} nm"
         )
         ax.set_xlabel("x, east (nm)")
         if number == 7:
             ax.set_ylabel("y, north (nm)")
     handles = [
-        Line2D([], [], color=style.VERMILLION, marker="o", markersize=3, label="path, its turns"),
+        Line2D([], [], color=style.VERMILLION, marker=".", label="path, its turning points"),
+        *(
+            Line2D(
+                [],
+                [],
+                color=style.BLACK,
+                marker=marker,
+                markerfacecolor="white",
+                linestyle="none",
+                label=end,
+            )
+            for marker, end in (("o", "start"), ("s", "goal"))
+        ),
+        Patch(color=style.GREY, label="obstacle"),
         Line2D([], [], color=style.GREY, linestyle="--", label="collision radius 0.25 nm"),
     ]
-    style.outside_legend(fig, handles, columns=2)
+    style.outside_legend(fig, handles, columns=5)
     return style.settle(fig)
 
 
@@ -95,38 +113,35 @@ def _draw_path(ax: Axes, points: np.ndarray) -> None:
 
 
 @style.styled
-def turns_figure(searches: Mapping[str, Stages]) -> Figure:
+def turns_figure(found: Found) -> Figure:
     """Distribution of turning points, and the change of length and clearance."""
     fig = style.new_figure(style.DOUBLE_MM, 75)
     left, middle, right = fig.subplots(1, 3)
     for (search, stage), look in LOOKS.items():
-        own, old = searches[search][stage], searches[search]["before"]
-        _ecdf(left, own.turns, look)
+        own = found.studies[study_of(search)].columns(FITTED, search)
+        _ecdf(left, own[f"turns_{stage}"], look)
         if stage == "before":
             continue
-        _ecdf(middle, 100 * (own.length / old.length - 1), look)
-        _ecdf(right, own.clearance - old.clearance, look)
-    for number, words, height in ((BEFORE, "before", 0.35), (AFTER, "after", 0.8)):
-        left.axvline(number, color=style.VERMILLION, linewidth=0.8)
-        left.annotate(
-            f"published,\n{words}",
-            (number, height),
-            xycoords=("data", "axes fraction"),
-            xytext=(3 if number == BEFORE else 12, 0),
-            textcoords="offset points",
-            fontsize=7,
-            color=style.VERMILLION,
-        )
+        length, clear = (own[f"{name}_{stage}"] for name in ("length", "clearance"))
+        _ecdf(middle, 100 * (length / own["length_before"] - 1), look)
+        _ecdf(right, clear - own["clearance_before"], look)
+    published = {f"published before: {BEFORE}": (BEFORE, "-"), f"after: {AFTER}": (AFTER, ":")}
+    for number, line in published.values():
+        left.axvline(number, color=style.VERMILLION, linewidth=0.9, linestyle=line)
     left.set(xlabel="turning points", ylabel="scenes with that or less (%)")
     middle.set_xlabel("change of length (%)")
     right.set_xlabel("change of clearance (nm)")
     for ax in (left, middle, right):
         ax.set_ylim(0, 102)
-    handles = [
-        Line2D([], [], color=look.colour, linestyle=look.line, label=f"A*, {search}: {stage}")
+    lines = {
+        f"{SEARCHES[search]}: {STAGES[stage]}": (look.colour, look.line)
         for (search, stage), look in LOOKS.items()
+    } | {words: (style.VERMILLION, line) for words, (_, line) in published.items()}
+    handles = [
+        Line2D([], [], color=colour, linestyle=line, label=words)
+        for words, (colour, line) in lines.items()
     ]
-    style.outside_legend(fig, handles, columns=2)
+    style.outside_legend(fig, handles, columns=3)
     return style.settle(fig)
 
 

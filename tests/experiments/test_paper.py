@@ -149,6 +149,16 @@ def test_verdicts():
     assert claims.sheet([verdict]).rows[0][3:] == ["yes: n", "yes: n", "no: n"]
 
 
+def test_readings_of_a_kind_are_counted_together():
+    readings = {"a: 1": YES, "a: 2": NO, "a: 3": NO, "b: 1": YES, "c": NEITHER}
+    (verdict,) = judge([Claim("c", "p", lambda n, given: given, readings)], {})
+    sheet = claims.sheet([verdict])
+    assert list(sheet.header[3:]) == ["a", "b: 1", "c"]
+    assert sheet.rows[0][3:] == ["of 3: yes 1, no 2", "yes: n", "-: n"]
+    assert claims.section([verdict]).parts[0].rows[0][1:] == ["a", "of 3: yes 1, no 2"]
+    assert len(verdict.found) == 5
+
+
 def test_numbers_are_rounded():
     given = {"a": [1 / 3, np.inf, 7], 1: (2.0,), "e": Estimate(np.float32(0.5)), "n": np.int32(3)}
     wanted = {"a": [0.333333, None, 7], "1": [2.0], "n": 3}

@@ -14,7 +14,6 @@ from experiments.files import RESULTS, results_folder, rounded
 from experiments.program import begin
 from experiments.tan2022 import __main__ as tan2022
 from experiments.textbook import LOWER_FIRST, STRAIGHTS_FIRST, UPPER_FIRST, Rules
-from experiments.wei2023 import __main__ as wei2023
 from experiments.zhang2019 import __main__ as zhang2019
 from experiments.zhang2019.runs import measure
 
@@ -22,7 +21,6 @@ EXACT = Rules(1000, 1400, heuristic="octile")
 PROGRAMS = {
     "chen2023": (chen2023, "--scenes"),
     "tan2022": (tan2022, "--episodes"),
-    "wei2023": (wei2023, "--scenes"),
     "zhang2019": (zhang2019, "--maps"),
 }
 
@@ -97,8 +95,8 @@ def test_jobs_run_on_the_devices_they_are_told_to():
 def test_numbers_are_rounded_and_recorded_results_are_left_alone(tmp_path, monkeypatch):
     assert rounded({"a": [1 / 3, np.inf, 7], 1: (2.0,)}) == {"a": [0.333333, None, 7], "1": [2.0]}
     monkeypatch.chdir(tmp_path)
-    assert results_folder("yu2022", None, quick=True) == Path("runs/yu2022_quick")
-    assert results_folder("yu2022", tmp_path / "here", quick=False) == tmp_path / "here"
+    assert results_folder("chen2023", None, quick=True) == Path("runs/chen2023_quick")
+    assert results_folder("chen2023", tmp_path / "here", quick=False) == tmp_path / "here"
 
 
 def ready_for(paper, *args):

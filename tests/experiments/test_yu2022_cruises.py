@@ -21,7 +21,6 @@ from experiments.yu2022.cruises.report import readings, sections, summary
 from experiments.yu2022.cruises.runs import (
     CALM,
     ENVIRONMENTS,
-    FAST,
     LABELS,
     SWARMS,
     TIMED,
@@ -93,7 +92,10 @@ def found_of(
     """What a run leaves, made up: `sailed` in every case, under each kind of changes."""
     length = {"gwo": 30, "gwo_swap": 30} | (areas or {})
     table = STATISTICS[environment]["planning_time"]
-    took = {name: [table[PAPER_NAME[name]].mean + 0.001 * k for k in range(FAST)] for name in TIMED}
+    took = {
+        name: [table[PAPER_NAME[name]].mean + 0.001 * k for k in range(runs.ALL.fast)]
+        for name in TIMED
+    }
     took |= seconds or {}
     conditions = [
         SimpleNamespace(label=label_of(environment, case, kind)) for case in cases for kind in kinds
@@ -190,7 +192,7 @@ def test_all_studies_sail_the_same_maps_with_the_stations_of_their_case():
         "nothing changes": (0.0, "window"),
         "3 % of the map": (0.03, "map"),
     }
-    assert wanted["times"].size == 2 * (4 * 4 * FAST + 3 * (2 + 3))
+    assert wanted["times"].size == 2 * (4 * 4 * runs.ALL.fast + 3 * (2 + 3))
 
 
 def test_a_look_is_small_and_sizes_are_as_asked():
@@ -219,11 +221,11 @@ def test_cruises_are_timed_one_by_one_with_their_tours(monkeypatch):
     ]
     study = SimpleNamespace(spec=SimpleNamespace(conditions=conditions, mission=mission))
     ticks = []
-    plan = runs.Plan(("ordinary",), (1, 2), (USUAL,))
+    plan = runs.ALL._replace(environments=("ordinary",), cases=(1, 2))
     seconds = runs.timed(study, plan, ticks.append)
     assert len(ticks) == runs.timings(plan)
     assert [len(seconds["ordinary"][case]["aco"]) for case in ("1", "2")] == [2, 1]
-    assert len(seconds["ordinary"]["2"]["gwo"]) == FAST
+    assert len(seconds["ordinary"]["2"]["gwo"]) == runs.ALL.fast
     # One more than is timed: what compiles.
     assert called.count((1, [0], "aco")) == 2
     assert called.count((2, [0], "aco")) == 1
@@ -247,7 +249,7 @@ def test_numbers_as_published_reproduce(environment):
 
 def test_longer_slower_cruises_do_not_reproduce():
     worse = dict.fromkeys(("proposed", "proposed_swap"), made_up(2000.0, 90, tour=1.3 * OPTIMUM))
-    slow = dict.fromkeys(worse, [99.0] * FAST)
+    slow = dict.fromkeys(worse, [99.0] * runs.ALL.fast)
     verdicts = words(
         as_published(**worse), seconds=slow, areas=dict.fromkeys(worse, 40), **ALL_CASES
     )
@@ -257,7 +259,7 @@ def test_longer_slower_cruises_do_not_reproduce():
 def test_a_verdict_that_hangs_on_the_encoding_depends_on_the_reading():
     sailed = as_published(proposed=made_up(2000.0, 90, tour=1.3 * OPTIMUM))
     verdicts, _ = judged(
-        sailed, areas={"proposed": 40}, seconds={"proposed": [99.0] * FAST}, **ALL_CASES
+        sailed, areas={"proposed": 40}, seconds={"proposed": [99.0] * runs.ALL.fast}, **ALL_CASES
     )
     del verdicts[WEAK]
     for claim, verdict in verdicts.items():
@@ -356,9 +358,9 @@ def test_cases_are_compared_on_the_maps_that_both_sailed():
 @pytest.mark.parametrize(
     ("seconds", "word"),
     [
-        (np.full(FAST, 9.0), "reproduces"),
-        (np.linspace(10.4, 10.6, FAST), "undecided"),
-        (np.full(FAST, 10.6), "does not reproduce"),
+        (np.full(runs.ALL.fast, 9.0), "reproduces"),
+        (np.linspace(10.4, 10.6, runs.ALL.fast), "undecided"),
+        (np.full(runs.ALL.fast, 10.6), "does not reproduce"),
     ],
 )
 def test_times_tell_only_where_ranks_do(seconds, word):
@@ -371,7 +373,7 @@ def test_the_time_of_all_cases_wants_every_case():
     sailed = as_published()
     found = found_of(sailed, **ALL_CASES)
     found.made["times"]["ordinary"]["3"] = dict(
-        found.made["times"]["ordinary"]["3"], gwo=[1.0] * FAST
+        found.made["times"]["ordinary"]["3"], gwo=[1.0] * runs.ALL.fast
     )
     numbers = measure(found)
     (claim,) = (one for one in claims(numbers) if one.text == TIMES)
@@ -481,12 +483,13 @@ def test_the_page_shows_ours_beside_the_published():
 
 def test_the_drawn_cruise_is_the_median_one_of_those_that_all_completed():
     sailed = as_published(proposed=made_up(1700.0, 40), aco=made_up(1700.0, 40, failed=range(40)))
-    job = figures.median_job(found_of(sailed), "ordinary")
+    jobs = figures.jobs_that_all_complete(found_of(sailed), "ordinary")
+    assert jobs.tolist() == list(range(40, 50))
+    job = figures.median_job(found_of(sailed), "ordinary", jobs)
     own = sailed["proposed"]["smooth_length"]
-    assert job in range(40, 50)
     assert (own[40:] < own[job]).sum() == 4
     none = as_published(aco=made_up(1700.0, 40, failed=range(50)))
-    assert figures.median_job(found_of(none), "ordinary") is None
+    assert not len(figures.jobs_that_all_complete(found_of(none), "ordinary"))
 
 
 @pytest.mark.parametrize("number", range(4))

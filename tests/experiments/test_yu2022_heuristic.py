@@ -46,6 +46,7 @@ def test_a_scene_is_a_function_of_its_job_and_ends_are_free_apart_and_connected(
     again = posed([7, 3], density=0.3, flips=3)
     for name in ("blocked", "starts", "goals", "flips"):
         np.testing.assert_array_equal(getattr(again, name), getattr(scene, name)[[7, 3]])
+    assert len(np.unique(scene.blocked, axis=0)) == 12
     assert np.abs(scene.starts - scene.goals).max(axis=1).min() >= 25
     assert (scene.flips[:, :, :3] >= 0).all()
     assert (scene.flips[:, :, 3:] == -1).all()

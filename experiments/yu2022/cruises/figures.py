@@ -39,14 +39,16 @@ _NUMBER_SIZE = 5.5  # points
 def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
     """Draw all figures."""
     for environment in numbers["cases"]:
-        job = median_job(found, environment)
-        if job is None:
+        jobs = jobs_that_all_complete(found, environment)
+        if not len(jobs):
             continue
+        job = median_job(found, environment, jobs)
         yield Drawing(
             _NAMES[environment],
             f"One cruise of each algorithm on the same map, {environment} environment, Case 1: "
-            f"of the first {RUNS} that all of these completed, the one of median length by the "
-            f"proposed algorithm with random keys (job {job}). Numbers are the order of visits.",
+            f"of the {len(jobs)} of the first {RUNS} that all of these completed, the one of "
+            f"median length by the proposed algorithm with random keys (job {job}). Numbers are "
+            "the order of visits.",
             maps_figure(found, environment, job),
         )
     yield Drawing(
@@ -57,14 +59,16 @@ def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
     )
 
 
-def median_job(found: Found, environment: str) -> int | None:
-    """The job whose cruise by the proposed algorithm has the lower median length."""
+def jobs_that_all_complete(found: Found, environment: str) -> np.ndarray:
+    """The jobs of Case 1 in which every cruise that is drawn comes home, int[n]."""
     sails = [sailed_by(found, environment, 1, USUAL, name) for name in DRAWN]
-    known = [own for own in sails if own is not None]
-    n = min(RUNS, *(len(own.complete) for own in known))
-    jobs = np.flatnonzero(np.all([own.complete[:n] for own in known], axis=0))
-    if not len(jobs):
-        return None
+    complete = [own.complete for own in sails if own is not None]
+    n = min(RUNS, *map(len, complete))
+    return np.flatnonzero(np.all([own[:n] for own in complete], axis=0))
+
+
+def median_job(found: Found, environment: str, jobs: np.ndarray) -> int:
+    """The job whose cruise by the proposed algorithm has the lower median length."""
     own = sailed_by(found, environment, 1, USUAL, "proposed")
     assert own is not None
     order = jobs[np.argsort(own.length[jobs], kind="stable")]

@@ -104,15 +104,23 @@ class Plan(NamedTuple):
         environments: names.
         cases: numbers.
         flips: what changes, keys of `FLIPS`; other than the usual in Case 1 only.
+        slow: cruises of Case 1, and of each other, by Algorithms 1 to 3 that are timed.
+        fast: likewise by the others, in every case.
     """
 
     environments: tuple[str, ...]
     cases: tuple[int, ...]
     flips: tuple[str, ...]
+    slow: tuple[int, int]
+    fast: int
+
+    def repeats(self, method: str, case: int) -> int:
+        """Cruises that are timed."""
+        return self.fast if method in WOLVES else self.slow[case != 1]
 
 
-ALL = Plan(tuple(ENVIRONMENTS), tuple(CASES["ordinary"]), tuple(FLIPS))
-LOOK = Plan(("ordinary",), (1,), (USUAL, CALM))
+ALL = Plan(tuple(ENVIRONMENTS), tuple(CASES["ordinary"]), tuple(FLIPS), (2, 1), 8)
+LOOK = Plan(("ordinary",), (1,), (USUAL, CALM), (1, 0), 3)
 
 
 def runs(options: YuOptions) -> dict[str, Run]:
@@ -226,17 +234,9 @@ def sailed_by(found: Found, environment: str, case: int, flips: str, method: str
     return None
 
 
-SLOW, FAST = (2, 1), 8
-"""Cruises of Case 1 and of each other case that are timed: by Algorithms 1 to 3, and others."""
-
-
-def _repeats(method: str, case: int) -> int:
-    return FAST if method in WOLVES else SLOW[case != 1]
-
-
 def timings(plan: Plan) -> int:
     """Cruises that are timed."""
-    times = sum(_repeats(name, case) for name in TIMED for case in plan.cases)
+    times = sum(plan.repeats(name, case) for name in TIMED for case in plan.cases)
     return times * len(plan.environments)
 
 
@@ -254,7 +254,7 @@ def timed(study: Study, plan: Plan, advance: Callable[[int], object]) -> dict[st
             given = by_label[label_of(environment, case, USUAL)]
             rows = seconds.setdefault(environment, {}).setdefault(str(case), {})
             for name in TIMED:
-                repeats = _repeats(name, case)
+                repeats = plan.repeats(name, case)
                 for job in range(repeats if name in WOLVES else case == plan.cases[0]):
                     _seconds(mission, given, name, job)
                 rows[name] = []

@@ -32,9 +32,9 @@ def claims(numbers: Numbers) -> list[Claim]:
     """Every claim about the functions."""
     drawn = f"{EXPERIMENTS:,} experiments of {RUNS} runs each are drawn from our runs; "
     often = (
-        f"the claim holds where it does in {100 * SURE:g} % of them and fails where in "
-        f"{100 * (1 - SURE):.0f} %: what our swarms bear out so often fails in no more than "
-        f"{100 * (1 - SURE):.0f} % of papers"
+        f"the claim holds where it does in {100 * SURE:g} % of them or more, and fails where in "
+        f"{100 * (1 - SURE):.0f} % or fewer: so rarely an experiment like the paper's would find "
+        "otherwise"
     )
     found = []
     for function in numbers["functions"]:

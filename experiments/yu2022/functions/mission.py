@@ -1,6 +1,6 @@
 """The mission "yu2022_swarms": swarms that minimise the test functions of Table 8."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
 from types import MappingProxyType
@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 import usvjax as uj
+from experiments.missions import PaperMission
 from experiments.yu2022.functions.published import DIM
 from usvjax.checks import one_of, whole_number
-from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Replayed, Track
+from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Track
 from usvjax.sections import Table
 from usvjax.swarms import AcoParams, CmpsoParams, GaParams, GwoParams, GwoStatic
 from usvjax.swarms.algorithms import ALGORITHMS
@@ -76,7 +77,7 @@ class Runs:
     jobs: np.ndarray
 
 
-class SwarmMission:
+class SwarmMission(PaperMission):
     """Minimise; see `usvjax.mission.Mission`."""
 
     tables = MappingProxyType({"swarm": Table("what is minimised, and how", {"": SwarmTable})})
@@ -135,20 +136,6 @@ class SwarmMission:
         for mark in range(1, MARKS + 1):
             columns[f"at_{mark}"] = history[:, iteration_at(mark, history.shape[1]) - 1]
         return Outcome(columns, _recorded(history) if record else None)
-
-    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
-        """The first run; see `Mission.example`."""
-        return 0, "the first, which was not chosen"
-
-    def figures(self, run: Any, replay: Any) -> Iterator[tuple[str, Any]]:
-        """The page of the paper has the figures."""
-        return iter(())
-
-    def film(self, replayed: Replayed, row: int) -> Any:
-        """The value that falls; see `Mission.film`."""
-        from usvjax.plots.tracks import film_of
-
-        return film_of(replayed, row)
 
 
 MISSION = SwarmMission()

@@ -73,7 +73,7 @@ def claims(numbers: Numbers) -> list[Claim]:
             "of equally short paths a rule that is not printed chooses: the new path may be the "
             "old one where it is as short by the old one's costs, and the claim is excluded where "
             f"that is so on fewer than {100 * CHANCE:g} % of maps of every kind, with the 95 % "
-            "Wilson interval; a map on which it happens is such a one in 5 % of cases at most",
+            "Wilson interval: a map like these would show it in no more papers than that",
             weak=True,
         ),
         Claim(

@@ -29,8 +29,8 @@ def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
     """Draw them all."""
     yield Drawing(
         "fig5",
-        "As Fig. 5, on the first map of ours: cells expanded for the first plan and the path, with "
-        "each heuristic.",
+        f"As Fig. 5, on the first map of ours ({numbers['shown']['condition']}; row 0 is the "
+        "uppermost): cells expanded for the first plan and the path, with each heuristic.",
         fig5(found.studies["plans"]),
     )
     yield Drawing(

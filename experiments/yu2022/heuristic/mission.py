@@ -3,7 +3,7 @@
 `[maps]` says how large and dense maps are, and how many cells change with every move.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Any
@@ -13,10 +13,11 @@ import numpy as np
 from scipy import ndimage
 
 import usvjax as uj
+from experiments.missions import PaperMission
 from experiments.yu2022.heuristic.expansion import expand
 from experiments.yu2022.heuristic.published import SENSING
 from usvjax.maps import GridMap
-from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Replayed, Track
+from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Track
 from usvjax.sections import Table
 from usvjax.tables import read_table
 from usvkernels.search.steps import STRAIGHT
@@ -96,7 +97,7 @@ class Scenes:
         return {"status": status, "first": first, "expanded": first, "position": position}
 
 
-class PlanMission:
+class PlanMission(PaperMission):
     """Plan and sail; see `usvjax.mission.Mission`."""
 
     tables = MappingProxyType({"maps": Table("maps and their changes", {"": PlanTable})})
@@ -157,20 +158,6 @@ class PlanMission:
             "path": np.array(checksums, np.uint32).view(np.int32),
         }
         return Outcome(columns, _recorded(scene, found["position"]) if record else None)
-
-    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
-        """The first map; see `Mission.example`."""
-        return 0, "the first, which was not chosen"
-
-    def figures(self, run: Any, replay: Any) -> Iterator[tuple[str, Any]]:
-        """The page of the paper has the figures."""
-        return iter(())
-
-    def film(self, replayed: Replayed, row: int) -> Any:
-        """A vessel on its way; see `Mission.film`."""
-        from usvjax.plots.tracks import film_of
-
-        return film_of(replayed, row)
 
 
 MISSION = PlanMission()
