@@ -19,9 +19,10 @@ class YuOptions(Options):
     """Regenerate the tables and figures of Yu et al. 2022 beside the published values.
 
     Attributes:
-        maps: Random maps of each kind for the heuristic.
-        runs: Cruises of a case by D* Lite, and runs on each test function.
-        swarm_runs: Cruises of Case 1 by Algorithms 1 to 3, which are slow.
+        maps: Random maps of each kind for the heuristic; 1,000, or 100 with --quick.
+        runs: Cruises of a case by D* Lite, 200, and runs on each test function, 1,000; 24 of each
+            with --quick.
+        swarm_runs: Cruises of Case 1 by Algorithms 1 to 3, which are slow; 50, or 1 with --quick.
     """
 
     maps: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
