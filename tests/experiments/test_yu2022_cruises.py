@@ -504,7 +504,7 @@ def test_numbers_of_stations_cover_neither_track_nor_stations_nor_one_another(nu
     line = np.array(track)
     blocked = rng.random((50, 50)) < 0.1
     spots = figures.clear_spots(line, stations, font, blocked)
-    sizes = np.array([[0.31 * font * len(str(k)), 0.39 * font] for k in range(1, 11)])
+    sizes = np.array([[0.34 * font * len(str(k)), 0.4 * font] for k in range(1, 11)])
     for spot, half in zip(spots, sizes, strict=True):
         for points in (line, stations):
             assert not (np.abs(points - spot) < half).all(axis=1).any()

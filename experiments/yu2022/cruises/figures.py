@@ -31,8 +31,8 @@ _NAMES = {"ordinary": "figs_6_10", "complex": "figs_11_15"}
 _GREY, _BLACK = "0.82", "0.2"
 _SIZES = {"ordinary": (170.0, 140.0, (2, 3)), "complex": (170.0, 255.0, (3, 2))}
 """Width and height, mm, and rows and columns."""
-_DIGIT = (0.62, 0.78)
-"""Width and height of a digit, in sizes of its font."""
+_DIGIT, _GAP = (0.68, 0.8), 0.35
+"""Width and height of a digit, and how far it keeps off, in sizes of its font."""
 _NUMBER_SIZE = 5.5  # points
 
 
@@ -194,7 +194,7 @@ def clear_spots(
     walls = np.argwhere(blocked)[:, ::-1].astype(float)
     spots = []
     for number, station in enumerate(stations, 1):
-        half = 0.5 * font * np.array([_DIGIT[0] * len(str(number)), _DIGIT[1]]) + 0.6
+        half = 0.5 * font * np.array([_DIGIT[0] * len(str(number)), _DIGIT[1]]) + _GAP * font
         best, least = None, (np.inf, np.inf)
         for ring in range(1, 7):
             reach = half + 0.6 * ring
@@ -240,7 +240,9 @@ def spread_figure(cases: Mapping[str, Any]) -> Figure:
             ax.set_ylim(len(algorithms) - 0.4, -0.6)
             ax.set_yticks(range(len(algorithms)), [])
             ax.set_title(f"{environment}, Case 1")
-        row[0].axvline(found["1"]["optimum"], color=style.GREY, linewidth=0.9, linestyle="--")
+        shortest, (low, high) = found["1"]["optimum"], row[0].get_xlim()
+        row[0].set_xlim(min(low, shortest - 0.04 * (high - low)), high)
+        row[0].axvline(shortest, color=style.GREY, linewidth=0.9, linestyle="--")
         row[0].set_yticks(range(len(algorithms)), [LABELS[name] for name in algorithms])
         row[0].set_xlabel("length (m)")
         row[1].set_xlabel("inflection points")
