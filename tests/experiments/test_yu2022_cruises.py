@@ -278,6 +278,27 @@ def test_every_encoding_and_kind_of_changes_is_a_reading():
     assert beside.numbers.startswith("means 1694, 1812, 1729, 1707, 1601;")
 
 
+def test_where_nobody_comes_home_nothing_is_told():
+    found = found_of(as_published(), **ALL_CASES)
+    lost = made_up(1e9, 40, n=20, failed=range(20))
+    label = label_of("ordinary", 1, runs.FLOOD)
+    found.studies["flood"] = SimpleNamespace(
+        spec=SimpleNamespace(conditions=[SimpleNamespace(label=label)], methods=WOLVES),
+        columns=lambda label, method: lost,
+    )
+    numbers = measure(found)
+    verdicts = {v.claim: v for v in judge(claims(numbers), numbers)}
+    for claim in (SHORTEST.format(3), "Table 3: the level of length"):
+        assert verdicts[claim].verdict == "reproduces"
+        told = verdicts[claim].found[f"swap sequences, {runs.FLOOD}"]
+        assert told.holds is None
+        assert told.numbers == (
+            "too few complete cruises: ACO 0, GA 0, CMPSO 0, GWO 0, PROPOSED 0 of 20"
+        )
+    text = markdown(Section("A", sections(numbers)))
+    assert f"| {runs.FLOOD} | 4: GWO, random keys | 20 | 0.0 [0.0, 16.1] | - | 1709 |" in text
+
+
 @pytest.mark.parametrize(("factor", "holds"), [(1.04, True), (1.08, None), (1.2, False)])
 def test_one_algorithm_off_the_level_is_told(factor, holds):
     ga = made_up(factor * STATISTICS["ordinary"]["length"]["ga"].mean, 62)
