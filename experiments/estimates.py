@@ -22,6 +22,13 @@ def mean(values: np.ndarray) -> dict[str, Any]:
     return asdict(Estimate(value, value - half, value + half))
 
 
+def difference(values: np.ndarray) -> dict[str, Any]:
+    """Mean of paired differences as `mean`, with "p" of their t-test; None where there is none."""
+    found = mean(values)
+    known = found["low"] is not None
+    return {**found, "p": float(stats.ttest_1samp(values, 0.0).pvalue) if known else None}
+
+
 def ratio(new: np.ndarray, old: np.ndarray) -> dict[str, Any]:
     """Geometric mean of ratios, pair by pair, with its t interval."""
     found = mean(np.log(new / old))

@@ -11,6 +11,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Annotated, Any, Literal, NamedTuple
 
+import jax
 import tyro
 from matplotlib.figure import Figure
 from rich.text import Text
@@ -223,6 +224,8 @@ def _computed(
             drawings.append((name, drawing.caption))
         done.append(Done(part, found, numbers, verdicts, drawings))
         took |= {f"{part.name}: {name}": time for name, time in seconds.items()}
+        # A process can hold only so many compiled programs.
+        jax.clear_caches()
     return done, took
 
 

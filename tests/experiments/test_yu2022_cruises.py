@@ -1,31 +1,48 @@
 """Yu et al. 2022, whole cruises: the tables are what the cruises say, verdicts follow from them."""
 
+import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from experiments.claims import judge
+from experiments.runs import Call, Found
+from experiments.yu2022.arithmetic import checks
 from experiments.yu2022.cases import COMPLEX, ORDINARY
-from experiments.yu2022.cruises import figures as drawing
-from experiments.yu2022.cruises.compare import compare
+from experiments.yu2022.cruises import PART, figures, runs
+from experiments.yu2022.cruises.claims import claims
+from experiments.yu2022.cruises.compare import measure
+from experiments.yu2022.cruises.detection import seen_cells
 from experiments.yu2022.cruises.published import ALGORITHMS, CASES, METRICS, PROPOSED, STATISTICS
-from experiments.yu2022.cruises.report import counts, figures, note, readings, section, summary
-from experiments.yu2022.cruises.runs import ENVIRONMENTS, Cruises, maps_of
-from experiments.yu2022.cruises.verdicts import judge
-from experiments.yu2022.parts import Part, markdown
+from experiments.yu2022.cruises.report import readings, sections, summary
+from experiments.yu2022.cruises.runs import (
+    CALM,
+    ENVIRONMENTS,
+    LABELS,
+    SWARMS,
+    TIMED,
+    USUAL,
+    WOLVES,
+    label_of,
+)
+from experiments.yu2022.options import YuOptions
+from usvjax.errors import BadInputError
+from usvjax.report import Section, markdown
 from usvkernels.status import Status
 
-OPTIMUM = 160.0
+KEYS, SWAPS = (f"{encoding}, {USUAL}" for encoding in runs.ENCODINGS)
+CALM_KEYS = f"random keys, {CALM}"
+OPTIMUM = 1600.0
 CASES_CLAIM = "Table 4: so in all cases (length)"
-PLAN = {
-    "runs": 200,
-    "swarm_runs": 20,
-    "case_runs": 190,
-    "case_swarm_runs": 5,
-    "repeats": 12,
-    "cases": (1, 2, 3, 4),
-}
+SHORTEST = "Table {}: the proposed one has the shortest of all"
+TIME, TIMES = (
+    "Table 3: the proposed one plans in the least time",
+    "Table 4: so in all cases (planning time)",
+)
+PAPER_NAME = {method: name for names in runs.ENCODINGS.values() for name, method in names.items()}
 
 
 def made_up(length, inflections, n=50, tour=OPTIMUM, failed=(), seed=0):
@@ -33,44 +50,91 @@ def made_up(length, inflections, n=50, tour=OPTIMUM, failed=(), seed=0):
     rng = np.random.default_rng(seed)
     status = np.full(n, int(Status.REACHED))
     status[list(failed)] = int(Status.TIMED_OUT)
-    result = SimpleNamespace(
-        status=status,
-        length=length + rng.normal(0.0, 5.0, n),
-        smooth_length=length + rng.normal(0.0, 5.0, n),
-        inflections=np.full(n, inflections),
-        smooth_inflections=inflections + rng.integers(-1, 2, n),
-        waits=np.zeros(n, int),
-        expanded=np.full(n, 1000),
-    )
-    return Cruises(result, np.full(n, tour), smoothed=True)
-
-
-def as_published(environment):
-    table = STATISTICS[environment]
+    lengths = length + rng.normal(0.0, 5.0, n)
+    turns = inflections + rng.integers(-1, 2, n)
     return {
-        name: made_up(
-            table["length"][name].mean,
-            round(table["inflections"][name].mean),
-            seed=number,
-        )
-        for number, name in enumerate(ALGORITHMS)
+        "status": status,
+        "length": lengths,
+        "smooth_length": lengths,
+        "inflections": turns,
+        "smooth_inflections": turns,
+        "waits": np.zeros(n, int),
+        "expanded": np.full(n, 1000),
+        "tour_length": np.full(n, tour),
     }
 
 
-def compared(sailed, cases=(1,), environment="ordinary", proposed_seconds=None):
-    results = {(environment, case): sailed for case in cases}
-    times = {name: [s.mean] for name, s in STATISTICS[environment]["planning_time"].items()}
-    times[PROPOSED] = proposed_seconds or times[PROPOSED]
-    return compare(results, dict.fromkeys(results, OPTIMUM), {environment: times})
+def as_published(environment="ordinary", **changes):
+    """Cruises of each method like those of the paper, and what stands beside them."""
+    table = STATISTICS[environment]
+    sailed = {
+        method: made_up(
+            table["length"][name].mean, round(table["inflections"][name].mean), seed=number
+        )
+        for number, (method, name) in enumerate(PAPER_NAME.items())
+    }
+    return sailed | {"recommended": made_up(OPTIMUM, 30)} | changes
+
+
+def tracks(long, n=50):
+    """Straight tracks of about so many cells, and ten times as many cells expanded."""
+    track = np.tile(np.stack([np.arange(long), np.full(long, 9)], axis=1), (n, 1, 1))
+    steps = long - 1 - np.arange(n) % (1 + long // 10)
+    return SimpleNamespace(
+        track=track, steps=steps, expanded=10 * steps,
+        status=np.full(n, int(Status.REACHED)),
+    )  # fmt: skip
+
+
+def found_of(
+    sailed, environment="ordinary", cases=(1,), kinds=(USUAL, CALM), seconds=None, areas=None
+):
+    """What a run leaves, made up: `sailed` in every case, under each kind of changes."""
+    length = {"gwo": 30, "gwo_swap": 30} | (areas or {})
+    table = STATISTICS[environment]["planning_time"]
+    took = {
+        name: [table[PAPER_NAME[name]].mean + 0.001 * k for k in range(runs.ALL.fast)]
+        for name in TIMED
+    }
+    took |= seconds or {}
+    conditions = [
+        SimpleNamespace(label=label_of(environment, case, kind)) for case in cases for kind in kinds
+    ]
+
+    def replay(label, method, jobs):
+        sailed = tracks(length.get(method, 20), len(jobs))
+        return SimpleNamespace(recording=SimpleNamespace(detail=[sailed]))
+
+    ran = {
+        name: SimpleNamespace(
+            spec=SimpleNamespace(conditions=conditions, methods=methods, episodes=50),
+            columns=lambda label, method: sailed[method],
+            replay=replay,
+        )
+        for name, methods in (("cases", WOLVES), ("swarms", SWARMS))
+    }
+    own = ("proposed", "proposed_swap")
+    times = {
+        str(case): {
+            name: [s if name in own else s * (1 + 1e-3 * case) for s in rows]
+            for name, rows in took.items()
+        }
+        for case in cases
+    }
+    return Found(ran, {"times": {environment: times}})
 
 
 def judged(sailed, **options):
-    return judge(compared(sailed, **options))
+    numbers = measure(found_of(sailed, **options))
+    return {v.claim: v for v in judge(claims(numbers), numbers)}, numbers
 
 
-def verdicts_of(sailed, **options):
-    found = compared(sailed, **options)
-    return {v.claim: v.verdict for v in judge(found)}, found
+def words(sailed, **options):
+    return {claim: v.verdict for claim, v in judged(sailed, **options)[0].items()}
+
+
+ALL_CASES = {"cases": (1, 2, 3, 4)}
+WEAK = "Figs. 6 to 10: all five find the same order"
 
 
 def test_the_cases_are_those_of_the_tables():
@@ -78,13 +142,13 @@ def test_the_cases_are_those_of_the_tables():
     assert [len(case) for case in COMPLEX.values()] == [20] * 4
     assert ORDINARY[1][0].tolist() == [4, 46]
     assert COMPLEX[4][-1].tolist() == [50, 94]
-    for environment in ENVIRONMENTS:
-        for stations in environment.cases.values():
+    for where in ENVIRONMENTS.values():
+        for stations in where.cases.values():
             assert len(np.unique(stations, axis=0)) == len(stations)
-            assert ((stations >= 0) & (stations < environment.side)).all()
+            assert ((stations >= 0) & (stations < where.side)).all()
 
 
-def test_published_tables_name_every_algorithm_and_agree_on_case_1():
+def test_published_tables_name_every_algorithm():
     for environment, table in STATISTICS.items():
         for metric in METRICS:
             row = table[metric]
@@ -94,179 +158,441 @@ def test_published_tables_name_every_algorithm_and_agree_on_case_1():
         assert list(CASES[environment]) == [1, 2, 3, 4]
 
 
-def test_stations_are_free_and_maps_are_those_of_their_number():
-    environment = ENVIRONMENTS[0]
-    few, more = (maps_of(environment, 2, n, seed=5) for n in (3, 6))
-    assert np.array_equal(few, more[:3])
-    x, y = environment.cases[2].T
-    assert not more[:, y, x].any()
-    assert 0.07 < more.mean() < 0.12
-    assert not np.array_equal(more, maps_of(environment, 3, 6, seed=5))
+# --- what is run ------------------------------------------------------------------------------
 
 
-def test_numbers_as_published_reproduce():
-    verdicts, _ = verdicts_of(as_published("ordinary"), cases=(1, 2, 3, 4))
-    assert set(verdicts.values()) == {"reproduces"}
+def test_all_studies_sail_the_same_maps_with_the_stations_of_their_case():
+    wanted = runs.runs(YuOptions())
+    specs = {name: run.spec for name, run in wanted.items() if not isinstance(run, Call)}
+    assert {spec.seed for spec in specs.values()} == {2022}
+    drawn = {}
+    for name in ("cases", "Case 1, Algorithms 1 to 3", "other changes"):
+        (condition,) = (c for c in specs[name].conditions if c.label.startswith("ordinary, Case 1")
+                        and ("1 %" in c.label) == (name == "other changes")
+                        and "nothing" not in c.label)  # fmt: skip
+        (posed,) = specs[name].mission.pose(condition.case, 2022, np.arange(3))
+        drawn[name] = posed.scenes
+        np.testing.assert_array_equal(posed.scenes.stations[2], ORDINARY[1])
+        assert 0.07 < posed.scenes.blocked.mean() < 0.12
+    for scenes in drawn.values():
+        np.testing.assert_array_equal(scenes.blocked, drawn["cases"].blocked)
+    assert specs["cases"].methods == WOLVES
+    assert len(specs["cases"].conditions) == 8
+    rates = {
+        c.label.split(", ")[-1]: (
+            c.case.settings["cruise"]["flip_rate"],
+            c.case.settings["cruise"]["flip_scope"],
+        )
+        for spec in specs.values()
+        for c in spec.conditions
+    }
+    assert rates == {
+        "3 % in the window": (0.03, "window"),
+        "1 % in the window": (0.01, "window"),
+        "nothing changes": (0.0, "window"),
+        "3 % of the map": (0.03, "map"),
+    }
+    assert wanted["times"].size == 2 * (4 * 4 * runs.ALL.fast + 3 * (2 + 3))
 
 
-def test_longer_cruises_do_not_reproduce():
-    sailed = as_published("ordinary")
-    sailed[PROPOSED] = made_up(2000.0, 90)
-    verdicts, _ = verdicts_of(sailed, cases=(1, 2, 3, 4), proposed_seconds=[99.0])
-    del verdicts["Figs. 6 to 10: all five find the same order (ordinary, Case 1)"]
+def test_a_look_is_small_and_sizes_are_as_asked():
+    look = runs.runs(YuOptions(quick=True))
+    assert {name: run.size for name, run in look.items() if name != "times"} == {
+        "cases": 24 * 5,
+        "other changes": 24 * 5,
+        "Case 1, Algorithms 1 to 3": 3,
+        "other changes, Algorithms 1 to 3": 3,
+    }
+    asked = runs.runs(YuOptions(runs=7, swarm_runs=3))
+    assert {run.spec.episodes for run in asked.values() if not isinstance(run, Call)} == {7, 3}
+    for name, option in (("runs", "--runs"), ("swarm_runs", "--swarm-runs")):
+        with pytest.raises(BadInputError, match=f"{option}: got 0; wanted at least 1 run"):
+            runs.runs(YuOptions(**{name: 0}))
+
+
+def test_cruises_are_timed_one_by_one_with_their_tours(monkeypatch):
+    called = []
+    mission = SimpleNamespace(
+        pose=lambda case, seed, jobs: (case, jobs.tolist()),
+        run=lambda scene, method: called.append((*scene, method)),
+    )
+    conditions = [
+        SimpleNamespace(label=label_of("ordinary", case, USUAL), case=case) for case in (1, 2)
+    ]
+    study = SimpleNamespace(spec=SimpleNamespace(conditions=conditions, mission=mission))
+    ticks = []
+    plan = runs.ALL._replace(environments=("ordinary",), cases=(1, 2))
+    seconds = runs.timed(study, plan, ticks.append)
+    assert len(ticks) == runs.timings(plan)
+    assert [len(seconds["ordinary"][case]["aco"]) for case in ("1", "2")] == [2, 1]
+    assert len(seconds["ordinary"]["2"]["gwo"]) == runs.ALL.fast
+    # One more than is timed: what compiles.
+    assert called.count((1, [0], "aco")) == 2
+    assert called.count((2, [0], "aco")) == 1
+    assert called.count((2, [7], "gwo_swap")) == 2
+
+
+# --- verdicts ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("environment", ["ordinary", "complex"])
+def test_numbers_as_published_reproduce(environment):
+    verdicts = words(as_published(environment), environment=environment, **ALL_CASES)
+    weak = {claim for claim in verdicts if claim.startswith("Figs. 6 to") or "order" in claim}
+    weak -= {'Table 3: the proposed one "always found an optimal solution" (order)'}
+    assert len(weak) == (1 if environment == "ordinary" else 2)
+    differ = "Figs. 11 to 13: other orders than in Figs. 14 and 15"
+    assert {verdicts[claim] for claim in weak - {differ}} == {"not excluded"}
+    assert verdicts.get(differ, "does not reproduce") == "does not reproduce"
+    assert {word for claim, word in verdicts.items() if claim not in weak} == {"reproduces"}
+
+
+def test_longer_slower_cruises_do_not_reproduce():
+    worse = dict.fromkeys(("proposed", "proposed_swap"), made_up(2000.0, 90, tour=1.3 * OPTIMUM))
+    slow = dict.fromkeys(worse, [99.0] * runs.ALL.fast)
+    verdicts = words(
+        as_published(**worse), seconds=slow, areas=dict.fromkeys(worse, 40), **ALL_CASES
+    )
     assert set(verdicts.values()) == {"does not reproduce"}
 
 
-def test_one_algorithm_off_the_level_is_told():
-    sailed = as_published("ordinary")
-    sailed["ga"] = made_up(1.2 * STATISTICS["ordinary"]["length"]["ga"].mean, 62)
-    verdicts, _ = verdicts_of(sailed)
-    assert verdicts["Table 3: the level of length"] == "does not reproduce"
-    assert verdicts["Table 3: the level of inflection points"] == "reproduces"
+def test_a_verdict_that_hangs_on_the_encoding_depends_on_the_reading():
+    sailed = as_published(proposed=made_up(2000.0, 90, tour=1.3 * OPTIMUM))
+    verdicts, _ = judged(
+        sailed, areas={"proposed": 40}, seconds={"proposed": [99.0] * runs.ALL.fast}, **ALL_CASES
+    )
+    del verdicts[WEAK]
+    for claim, verdict in verdicts.items():
+        assert verdict.verdict == "depends on the reading", claim
+        assert verdict.found[KEYS].holds is False
+        assert verdict.found[SWAPS].holds is True
+
+
+def test_every_encoding_and_kind_of_changes_is_a_reading():
+    verdicts, _ = judged(as_published(), **ALL_CASES)
+    calm_swaps = f"swap sequences, {CALM}"
+    assert set(verdicts[SHORTEST.format(3)].found) == {KEYS, SWAPS, CALM_KEYS, calm_swaps}
+    assert set(verdicts[CASES_CLAIM].found) == {KEYS, SWAPS}
+    beside = verdicts[SHORTEST.format(3)].beside[f"shortest tour, {CALM}"]
+    assert beside.holds is True
+    assert beside.numbers.startswith("means 1694, 1812, 1729, 1707, 1601;")
+
+
+def test_where_nobody_comes_home_nothing_is_told():
+    found = found_of(as_published(), **ALL_CASES)
+    lost = made_up(1e9, 40, n=20, failed=range(20))
+    label = label_of("ordinary", 1, runs.FLOOD)
+    found.studies["flood"] = SimpleNamespace(
+        spec=SimpleNamespace(conditions=[SimpleNamespace(label=label)], methods=WOLVES),
+        columns=lambda label, method: lost,
+    )
+    numbers = measure(found)
+    verdicts = {v.claim: v for v in judge(claims(numbers), numbers)}
+    for claim in (SHORTEST.format(3), "Table 3: the level of length"):
+        assert verdicts[claim].verdict == "reproduces"
+        told = verdicts[claim].found[f"swap sequences, {runs.FLOOD}"]
+        assert told.holds is None
+        assert told.numbers == (
+            "too few complete cruises: ACO 0, GA 0, CMPSO 0, GWO 0, PROPOSED 0 of 20"
+        )
+    text = markdown(Section("A", sections(numbers)))
+    assert f"| {runs.FLOOD} | 4: GWO, random keys | 20 | 0.0 [0.0, 16.1] | - | 1709 |" in text
+
+
+@pytest.mark.parametrize(("factor", "holds"), [(1.04, True), (1.08, None), (1.2, False)])
+def test_one_algorithm_off_the_level_is_told(factor, holds):
+    ga = made_up(factor * STATISTICS["ordinary"]["length"]["ga"].mean, 62)
+    verdicts, _ = judged(as_published(ga=ga))
+    assert verdicts["Table 3: the level of length"].found[KEYS].holds is holds
+    assert verdicts["Table 3: the level of inflection points"].found[KEYS].holds is True
 
 
 def test_few_runs_and_missing_cases_give_no_verdict():
-    few = {name: made_up(1700.0, 40, n=4) for name in ALGORITHMS}
-    told = {v.claim: v for v in judged(few) if "time" not in v.claim}
-    assert {v.verdict for v in told.values()} == {"undecided"}
-    level = told["Table 3: the level of length"].found["as printed"].numbers
-    assert "too few runs: ACO 4, GA 4, CMPSO 4, GWO 4, IGWO 4 of 20" in level
-    one = {v.claim: v for v in judged(as_published("ordinary"))}
-    assert one[CASES_CLAIM].verdict == "undecided"
-    assert one[CASES_CLAIM].found["as printed"].numbers == "not all cases were run"
+    few = as_published(**{name: made_up(1700.0, 40, n=4) for name in PAPER_NAME})
+    told, _ = judged(few)
+    for claim in (SHORTEST.format(3), "Table 3: the level of length"):
+        assert told[claim].verdict == "undecided"
+        text = told[claim].found[KEYS].numbers
+        assert "ACO 4, GA 4, CMPSO 4, GWO 4, PROPOSED 4 of 20" in text
+    one, _ = judged(as_published())
+    for claim in (CASES_CLAIM, TIMES):
+        assert one[claim].verdict == "undecided"
+        assert one[claim].found[KEYS].numbers.endswith("not all cases were run")
 
 
 def test_one_well_sampled_rival_refutes_whatever_the_others_lack():
-    sailed = as_published("complex")
-    sailed["gwo"] = made_up(4000.0, 60)
-    sailed["cmpso"] = made_up(5220.0, 127, n=20, failed=[3, 7])
-    verdicts, _ = verdicts_of(sailed, environment="complex")
+    lacking = {"cmpso": made_up(5220.0, 127, n=20, failed=[3, 7])}
+    better = {"gwo": made_up(4000.0, 60), "gwo_swap": made_up(4000.0, 60)}
+    verdicts = words(as_published("complex", **lacking, **better), environment="complex")
     for claim in ("shortest", "fewest inflection points"):
         assert verdicts[f"Table 6: the proposed one has the {claim} of all"] == "does not reproduce"
     for indicator in ("length", "inflection points"):
         assert verdicts[f"Table 6: the level of {indicator}"] == "does not reproduce"
         assert verdicts[f"Table 7: so in all cases ({indicator})"] == "does not reproduce"
-    sailed["gwo"] = as_published("complex")["gwo"]
-    found = {v.claim: v for v in judged(sailed, environment="complex")}
-    shortest = found["Table 6: the proposed one has the shortest of all"]
+    shortest = judged(as_published("complex", **lacking), environment="complex")[0][
+        SHORTEST.format(6)
+    ]
     assert shortest.verdict == "undecided"
-    assert "too few runs: CMPSO 18 of 20" in shortest.found["as printed"].numbers
+    assert "too few complete cruises: CMPSO 18 of 20" in shortest.found[KEYS].numbers
 
 
 def test_no_significant_difference_decides_nothing():
-    sailed = as_published("ordinary")
-    sailed["gwo"] = made_up(STATISTICS["ordinary"]["length"][PROPOSED].mean, 42, seed=7)
-    found = {v.claim: v for v in judged(sailed, cases=(1, 2, 3, 4))}
-    for claim in ("Table 3: the proposed one has the shortest of all", CASES_CLAIM):
-        assert found[claim].verdict == "undecided"
-        assert "GWO" in found[claim].found["as printed"].numbers
+    like = made_up(STATISTICS["ordinary"]["length"][PROPOSED].mean, 42, seed=7)
+    verdicts, _ = judged(as_published(gwo=like, gwo_swap=like), **ALL_CASES)
+    for claim in (SHORTEST.format(3), CASES_CLAIM):
+        assert verdicts[claim].verdict == "undecided"
+        assert "GWO" in verdicts[claim].found[KEYS].numbers
+
+
+def test_a_slightly_better_rival_of_many_does_not_refute():
+    # One of 16 differences that are nil has p < 0.05 more often than not.
+    rng = np.random.default_rng(3)
+    own = made_up(1678.0, 37)
+    noise = rng.normal(0.0, 1.0, 50)
+    noise = (noise - noise.mean()) / noise.std(ddof=1)
+    shift = -stats.t.isf(0.005, 49) / math.sqrt(50)
+    rival = {**own, "length": own["smooth_length"] + noise + shift}
+    verdicts, numbers = judged(as_published(proposed=own, gwo=rival), **ALL_CASES)
+    row = numbers["cases"]["ordinary"]["1"]["against_proposed"]["random keys"]["gwo"]
+    assert row["length"]["p"] == pytest.approx(0.01)
+    assert row["length"]["high"] < 0
+    assert verdicts[CASES_CLAIM].found[KEYS].holds is None
 
 
 def test_cases_are_compared_on_the_maps_that_both_sailed():
     # The first five maps are hard for all: a swarm that sails only those looks worse than it is.
     n = 40
     hard = np.where(np.arange(n) < 5, 500.0, 0.0)
-    sailed = {name: made_up(1700.0 + hard, 40, n=n, seed=k) for k, name in enumerate(ALGORITHMS)}
-    sailed[PROPOSED] = made_up(1600.0 + hard, 30, n=n, seed=9)
+    sailed = {
+        name: made_up(1700.0 + hard, 40, n=n, seed=k) for k, name in enumerate(LABELS)
+    } | dict.fromkeys(("proposed", "proposed_swap"), made_up(1600.0 + hard, 30, n=n, seed=9))
     sailed["aco"] = made_up(2000.0 + np.zeros(5), 40, n=5, seed=11)
-    found = {v.claim: v for v in judged(sailed, cases=(1, 2, 3, 4))}
-    own = found[CASES_CLAIM]
+    own = judged(sailed, **ALL_CASES)[0][CASES_CLAIM]
     assert own.verdict == "does not reproduce"
-    assert "Case 1 ACO -1" in own.found["as printed"].numbers
-    assert "(n 5)" in own.found["as printed"].numbers
+    assert "Case 1 ACO -9" in own.found[KEYS].numbers
     sailed["aco"] = made_up(2000.0 + np.zeros(4), 40, n=4, seed=11)
-    assert {v.claim: v for v in judged(sailed, cases=(1, 2, 3, 4))}[CASES_CLAIM].verdict == (
-        "undecided"
-    )
+    own = judged(sailed, **ALL_CASES)[0][CASES_CLAIM]
+    assert own.verdict == "undecided"
+    assert own.found[KEYS].numbers == "too few runs of the others"
 
 
 @pytest.mark.parametrize(
     ("seconds", "word"),
     [
-        ([9.0, 10.0], "reproduces"),
-        ([9.0, 10.5], "undecided"),
-        ([10.5, 60.0], "does not reproduce"),
-        ([10.4, 60.0], "undecided"),
+        (np.full(runs.ALL.fast, 9.0), "reproduces"),
+        (np.linspace(10.4, 10.6, runs.ALL.fast), "undecided"),
+        (np.full(runs.ALL.fast, 10.6), "does not reproduce"),
     ],
 )
-def test_times_tell_only_where_their_ranges_lie_apart(seconds, word):
+def test_times_tell_only_where_ranks_do(seconds, word):
     # The others: 10.470 s and more.
-    verdicts, _ = verdicts_of(as_published("ordinary"), proposed_seconds=seconds)
-    assert verdicts["Table 3: the proposed one plans in the least time"] == word
+    own = dict.fromkeys(("proposed", "proposed_swap"), seconds.tolist())
+    assert words(as_published(), seconds=own)[TIME] == word
 
 
-def test_tours_with_a_gap_are_not_the_same():
-    sailed = as_published("ordinary")
-    sailed["gwo"] = made_up(1700.0, 40, tour=1.01 * OPTIMUM)
-    verdicts, found = verdicts_of(sailed)
-    claim = "Figs. 6 to 10: all five find the same order (ordinary, Case 1)"
-    assert verdicts[claim] == "does not reproduce"
-    gap = found["ordinary"]["1"]["algorithms"]["gwo"]["gap"]
-    assert gap["mean"] == pytest.approx(0.01)
-    assert gap["optimal"]["value"] == 0.0
+def test_the_time_of_all_cases_wants_every_case():
+    sailed = as_published()
+    found = found_of(sailed, **ALL_CASES)
+    found.made["times"]["ordinary"]["3"] = dict(
+        found.made["times"]["ordinary"]["3"], gwo=[1.0] * runs.ALL.fast
+    )
+    numbers = measure(found)
+    (claim,) = (one for one in claims(numbers) if one.text == TIMES)
+    (verdict,) = judge([claim], numbers)
+    assert verdict.found[KEYS].holds is None
+    assert "GWO" in verdict.found[KEYS].numbers
+    assert verdict.found[SWAPS].holds is True
+
+
+def test_orders_that_are_never_the_same_exclude_a_figure():
+    sailed = as_published("complex", aco=made_up(5000.0, 100, tour=1.01 * OPTIMUM))
+    differ = "Figs. 11 to 13: other orders than in Figs. 14 and 15"
+    assert words(sailed, environment="complex")[differ] == "does not reproduce"
+    for name in ("ga", "cmpso"):
+        sailed[name] = made_up(5000.0, 100, tour=1.02 * OPTIMUM)
+    verdicts, numbers = judged(sailed, environment="complex")
+    assert verdicts[differ].verdict == "not excluded"
+    assert verdicts["Figs. 14, 15: the same order"].verdict == "not excluded"
+    # One run of 50 that is so, and the paper's, are 2 of 51; two of 50 are not rare enough.
+    apart = made_up(5000.0, 100, tour=1.02 * OPTIMUM)
+    apart["tour_length"][:2] = OPTIMUM
+    sailed = as_published("complex", gwo=apart, gwo_swap=apart)
+    verdicts, numbers = judged(sailed, environment="complex")
+    assert verdicts["Figs. 14, 15: the same order"].verdict == "not excluded"
+    apart["tour_length"][0] *= 1.02
+    verdicts, numbers = judged(sailed, environment="complex")
+    assert verdicts["Figs. 14, 15: the same order"].verdict == "does not reproduce"
+    gap = numbers["cases"]["complex"]["1"]["algorithms"]["gwo"]["gap"]
+    assert gap["mean"] == pytest.approx(0.98 * 0.02)
+    assert gap["optimal"]["value"] == 0.02
+
+
+# --- tables -----------------------------------------------------------------------------------
+
+
+def test_only_the_proposed_ones_track_counts_as_pulled_straight():
+    columns = made_up(1700.0, 40)
+    columns["smooth_length"] = columns["length"] - 100.0
+    _, numbers = judged(dict.fromkeys(LABELS, columns))
+    for name, own in numbers["cases"]["ordinary"]["1"]["algorithms"].items():
+        pulled = ("proposed", "proposed_swap", "recommended")
+        wanted = 1600.0 if name in pulled else 1700.0
+        assert own["length"]["value"] == pytest.approx(wanted, abs=5.0)
 
 
 def test_failures_are_counted_and_not_averaged():
-    sailed = as_published("complex")
-    lost = made_up(1e9, 40, failed=range(50))
-    sailed["aco"] = lost
+    sailed = as_published("complex", aco=made_up(1e9, 40, failed=range(50)))
     sailed["ga"] = made_up(5000.0, 150, failed=[0, 1, 2])
-    _, found = verdicts_of(sailed, environment="complex")
-    case = found["complex"]["1"]
+    _, numbers = judged(sailed, environment="complex")
+    case = numbers["cases"]["complex"]["1"]
     assert case["algorithms"]["aco"]["complete"]["value"] == 0.0
     assert case["algorithms"]["aco"]["length"]["value"] is None
     assert case["algorithms"]["ga"]["endings"] == {"reached": 0.94, "timed_out": 0.06}
-    assert case["printed"]["length"]["ga"]["n"] == 47
-    assert "p" not in case["printed"]["length"]["aco"]
-    assert case["against_proposed"]["aco"]["n"] == 0
+    table = numbers["tables"]["complex"][USUAL]
+    assert table["rows"]["length"]["ga"]["n"] == 47
+    assert table["p"]["length"]["random keys"]["aco"] is None
+    assert case["against_proposed"]["random keys"]["aco"]["n"] == 0
+    sailed = as_published(proposed=made_up(1678.0, 37, failed=[0]))
+    sailed["proposed"]["smooth_length"][0] = 1e9
+    _, numbers = judged(sailed)
+    against = numbers["cases"]["ordinary"]["1"]["against_proposed"]["random keys"]["gwo"]
+    assert against["n"] == 49
+    assert against["length"]["value"] == pytest.approx(1709 - 1678, abs=5.0)
 
 
 def test_the_t_test_is_welchs_on_the_printed_number_of_runs():
-    sailed = as_published("ordinary")
-    sailed["gwo"] = made_up(1690.0, 42, n=400, seed=9)
-    _, found = verdicts_of(sailed)
-    row = found["ordinary"]["1"]["printed"]["length"]["gwo"]
-    values = sailed["gwo"].result.smooth_length[:50]
-    wanted = stats.ttest_ind(values, sailed[PROPOSED].result.smooth_length, equal_var=False)
-    assert row["p"] == pytest.approx(wanted.pvalue)
+    sailed = as_published(gwo=made_up(1690.0, 42, n=400, seed=9))
+    _, numbers = judged(sailed)
+    table = numbers["tables"]["ordinary"][USUAL]
+    row, p = table["rows"]["length"]["gwo"], table["p"]["length"]["random keys"]["gwo"]
+    values = sailed["gwo"]["length"][:50]
+    wanted = stats.ttest_ind(values, sailed[PROPOSED]["smooth_length"], equal_var=False)
+    assert p == pytest.approx(wanted.pvalue)
     assert row["n"] == 50
     assert row["worst"] == pytest.approx(values.max())
-
-
-def test_the_report_shows_ours_beside_the_published():
-    _, found = verdicts_of(as_published("ordinary") | {"best": made_up(1650.0, 30)})
-    text = section(found)
-    for published in ("1677", "1856", "30.1", "160.0000"):
-        assert published in text
-    assert "Table 3" in text
-    assert "published 1678 m" in summary(found)[0]
-
-
-def test_the_report_tells_how_much_was_run():
-    assert counts(PLAN) == (
-        "cruises of Case 1: 200 by each algorithm that sails by D* Lite, 20 by each of "
-        "Algorithms 1 to 3, of each other case 190 and 5"
+    swap = stats.ttest_ind(
+        sailed["gwo_swap"]["length"], sailed["proposed_swap"]["smooth_length"], equal_var=False
     )
-    assert "each other case" not in counts(PLAN | {"cases": (1,)})
-    (tables,) = (line for line in readings(PLAN) if line.startswith("Tables 3 and 6"))
-    assert "first 50 maps for the algorithms that sail by D* Lite and the first 20" in tables
-    assert "ranges of 12 cruises" in note(PLAN)
-    parts = [
-        Part("a", "A", {}, [], "", [], [], "", [], lambda into: [], counts=text, done="")
-        for text in ("7 maps", "8 runs")
-    ]
-    head = markdown(parts).split("## Summary")[0]
-    assert "How much was run here: 7 maps; 8 runs." in head
-    assert "1,000 maps of each kind" in head
+    assert table["p"]["length"]["swap sequences"]["gwo"] == pytest.approx(swap.pvalue)
 
 
-@pytest.mark.parametrize("environments", [("ordinary",), ("ordinary", "complex")])
-def test_the_report_names_the_figures_that_are_drawn(environments, monkeypatch, tmp_path):
-    monkeypatch.setattr(drawing, "maps_figure", lambda *_: None)
-    monkeypatch.setattr(drawing, "spread_figure", lambda _: None)
-    monkeypatch.setattr(drawing, "save", lambda _, path, dpi: path)
-    results = {(environment, 1): as_published(environment) for environment in environments}
-    found = {environment: {} for environment in environments}
-    drawn = {file.name for file in drawing.draw(results, found, 0, tmp_path)}
-    named = {part.removeprefix("figures/") for part in " ".join(figures(found)).split("`")[1::2]}
-    assert named == drawn
+def test_what_came_into_sight_is_the_window_along_the_track():
+    track = np.array([[0, 0], [1, 1], [2, 1], [9, 9]])
+    wanted = np.zeros((10, 12), bool)
+    for x, y in track:
+        for j in range(y - 2, y + 3):
+            for i in range(x - 2, x + 3):
+                if 0 <= j < 10 and 0 <= i < 12:
+                    wanted[j, i] = True
+    np.testing.assert_array_equal(seen_cells(track, (10, 12)), wanted)
+
+
+def test_the_page_shows_ours_beside_the_published():
+    _, numbers = judged(as_published(), **ALL_CASES)
+    text = markdown(Section("A", sections(numbers)))
+    for published in ("1677", "1856", "30", "5.8e-08", "29.6", "1600.0"):
+        assert published in text
+    assert "Table 3 under every reading" in text
+    assert "published 1678 m" in summary(numbers)[0]
+    assert "Welch's" in " ".join(readings(numbers))
+    assert "as in the paper" not in " ".join(claim.test for claim in claims(numbers))
+    assert PART.name == "cruises"
+
+
+# --- figures ----------------------------------------------------------------------------------
+
+
+def test_the_drawn_cruise_is_the_median_one_of_those_that_all_completed():
+    sailed = as_published(proposed=made_up(1700.0, 40), aco=made_up(1700.0, 40, failed=range(40)))
+    jobs = figures.jobs_that_all_complete(found_of(sailed), "ordinary")
+    assert jobs.tolist() == list(range(40, 50))
+    job = figures.median_job(found_of(sailed), "ordinary", jobs)
+    own = sailed["proposed"]["smooth_length"]
+    assert (own[40:] < own[job]).sum() == 4
+    none = as_published(aco=made_up(1700.0, 40, failed=range(50)))
+    assert not len(figures.jobs_that_all_complete(found_of(none), "ordinary"))
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_numbers_of_stations_cover_neither_track_nor_stations_nor_one_another(number):
+    rng = np.random.default_rng(number)
+    stations = ORDINARY[number + 1]
+    font = 1.8
+    track = [stations[0]]
+    for goal in [*stations[1:], stations[0]]:
+        while (track[-1] != goal).any():
+            track.append(track[-1] + np.sign(goal - track[-1]))
+    line = np.array(track)
+    blocked = rng.random((50, 50)) < 0.1
+    spots = figures.clear_spots(line, stations, font, blocked)
+    sizes = np.array([[0.34 * font * len(str(k)), 0.4 * font] for k in range(1, 11)])
+    for spot, half in zip(spots, sizes, strict=True):
+        for points in (line, stations):
+            assert not (np.abs(points - spot) < half).all(axis=1).any()
+        assert (spot - half >= -0.5).all()
+        assert (spot + half <= 49.5).all()
+    for a in range(10):
+        for b in range(a):
+            assert (np.abs(spots[a] - spots[b]) >= sizes[a] + sizes[b]).any()
+
+
+def test_the_spread_shows_every_algorithm_and_the_published_means():
+    _, numbers = judged(as_published(), **ALL_CASES)
+    left, right = figures.spread_figure(numbers["cases"]).axes
+    assert [tick.get_text() for tick in left.get_yticklabels()] == list(LABELS.values())
+    diamonds = [line.get_xdata()[0] for line in right.lines if line.get_marker() == "D"]
+    table = STATISTICS["ordinary"]["inflections"]
+    assert diamonds == [table[PAPER_NAME[name]].mean for name in LABELS if name != "recommended"]
+
+
+# --- the paper's own arithmetic ---------------------------------------------------------------
+
+
+def test_contradictions_of_the_paper_are_all_found():
+    found = checks()
+    against = {check.where for check in found if check.verdict == "contradicts"}
+    deviations = {where for where in against if "deviation" in where}
+    assert deviations == {
+        "Table 3, planning time, GA: standard deviation",
+        "Table 3, planning time, CMPSO: standard deviation",
+        "Table 3, planning time, GWO: standard deviation",
+        "Table 6, planning time, CMPSO: standard deviation",
+        "Table 6, length, CMPSO: standard deviation",
+        "Table 9, f1, GWO: standard deviation over mean",
+        "Table 9, f3, ACO: standard deviation over mean",
+    }
+    assert {"Table 3, planning time, GA: p", "Table 3, planning time, CMPSO: p"} <= against
+    # 30 means and deviations, 10 means of whole numbers, 24 p, 30 runs of Case 1, 20 of Table 9.
+    assert len(found) == 144
+
+
+def test_true_samples_never_contradict(monkeypatch):
+    from experiments.yu2022 import arithmetic
+
+    rng = np.random.default_rng(5)
+
+    def printed(values, own=None):
+        p = None if own is None else float(stats.ttest_rel(values, own).pvalue)
+        return replace(
+            STATISTICS["ordinary"]["length"]["aco"],
+            best=round(values.min(), 3),
+            mean=round(values.mean(), 3),
+            worst=round(values.max(), 3),
+            std=round(values.std(ddof=1), 3),
+            p=p,
+        )
+
+    for spread in (0.3, 20.0):
+        own = rng.normal(50.0, spread, 50)
+        for values in (
+            rng.normal(51.0, spread, 50),
+            own + rng.normal(0.1, 0.1 * spread, 50),
+            np.repeat([1.0, 2.0], 25),
+            np.array([1.0, *[2.0] * 48, 3.0]),
+        ):
+            row, proposed = printed(values, own), printed(own)
+            found = [*arithmetic._row("a", row), arithmetic._p("b", row, proposed)]
+            assert "contradicts" not in {check.verdict for check in found}
+    shares = np.zeros(30)
+    shares[0] = 3.0
+    assert shares.std(ddof=1) / shares.mean() == pytest.approx(math.sqrt(30))

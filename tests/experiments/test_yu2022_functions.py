@@ -1,6 +1,5 @@
 """Tables 8 and 9 of Yu et al. 2022: the mission, and verdicts and tables of made-up results."""
 
-from types import SimpleNamespace
 from typing import Any
 
 import jax
@@ -17,13 +16,10 @@ from experiments.yu2022.functions.figures import LOOKS, budgets
 from experiments.yu2022.functions.mission import MARKS, MISSION, SETTINGS, moved
 from experiments.yu2022.functions.published import DIM, LAMBDAS, MEAN, MU
 from experiments.yu2022.functions.runs import ALGORITHMS, BUDGETS
+from experiments.yu2022.options import YuOptions
 from usvjax.mission import Files
 from usvkernels.swarms.functions import TABLE_8
 from usvkernels.swarms.laws import GwoParams, convergence
-
-
-def options(runs: int | None = None, quick: bool = False) -> Any:
-    return SimpleNamespace(runs=runs, quick=quick)
 
 
 class MadeUp:
@@ -51,7 +47,7 @@ class MadeUp:
 
 
 def made_up(factor: float, runs: int = 30, order: int = 1) -> dict[str, Any]:
-    studies = functions.PART.runs(options(runs))
+    studies = functions.PART.runs(YuOptions(runs=runs))
     made = {name: MadeUp(study.spec, factor, order) for name, study in studies.items()}
     return compare.measure(Found(made, {}))
 
@@ -221,14 +217,14 @@ def test_a_swarm_that_cannot_be_is_refused(swarm: dict[str, Any], words: str) ->
 
 
 def test_every_swarm_runs_everywhere() -> None:
-    sizes = {name: study.size for name, study in functions.PART.runs(options(40)).items()}
+    sizes = {name: study.size for name, study in functions.PART.runs(YuOptions(runs=40)).items()}
     assert sizes == {
         "budget": 4 * 3 * 5 * 40,
         "own": 4 * 2 * 40,
         "wolves": 4 * 5 * 2 * 30,
         "longest": 4 * 3 * 30,
     }
-    looked = functions.PART.runs(options(quick=True))
+    looked = functions.PART.runs(YuOptions(quick=True))
     assert {name: len(study.spec.conditions) for name, study in looked.items()} == {
         "budget": 3,
         "own": 1,
@@ -236,4 +232,4 @@ def test_every_swarm_runs_everywhere() -> None:
         "longest": 1,
     }
     with pytest.raises(uj.BadInputError, match="--runs: got 0; wanted at least 1 run"):
-        functions.PART.runs(options(0))
+        functions.PART.runs(YuOptions(runs=0))

@@ -15,6 +15,7 @@ from experiments.yu2022.heuristic import compare
 from experiments.yu2022.heuristic.claims import claims
 from experiments.yu2022.heuristic.expansion import expand
 from experiments.yu2022.heuristic.mission import MISSION, TRADITIONAL, UNIT, Scenes
+from experiments.yu2022.options import YuOptions
 from usvjax.mission import Files
 from usvkernels.search.steps import STRAIGHT
 from usvkernels.status import Status
@@ -184,12 +185,8 @@ def test_verdicts_follow_from_the_numbers():
 
 
 def test_what_is_run_follows_the_options():
-    class Sizes:
-        maps, quick = None, True
-
-    looked = heuristic.PART.runs(Sizes)
+    looked = heuristic.PART.runs(YuOptions(quick=True))
     assert looked["plans"].size == 4 * 5 * 100
     assert looked["episodes"].size == 2 * 4 * 100
-    Sizes.maps = 0
     with pytest.raises(uj.BadInputError, match="--maps: got 0; wanted at least 1 map"):
-        heuristic.PART.runs(Sizes)
+        heuristic.PART.runs(YuOptions(maps=0))

@@ -1,14 +1,14 @@
 """What Yu et al. 2022 print about whole cruises: Tables 3, 4, 6 and 7.
 
-Source: as in `experiments.yu2022.heuristic.published`. Tables 3 and 6 are 50 runs of Case 1 in
+Tables 3 and 6 are 50 runs of Case 1 in
 the ordinary and the complex environment; Tables 4 and 7 give one value for each of the four cases.
 """
 
 from dataclasses import dataclass
 
-ALGORITHMS = ("aco", "ga", "cmpso", "gwo", "igwo")
+ALGORITHMS = ("aco", "ga", "cmpso", "gwo", "proposed")
 """Algorithms 1 to 4 and the proposed one, in the order of the tables' columns."""
-PROPOSED = "igwo"
+PROPOSED = "proposed"
 METRICS = ("planning_time", "length", "inflections")
 """Planning time (s), length (m) and inflection points, in the order of the tables' rows."""
 RUNS = 50

@@ -1,295 +1,290 @@
-"""The part of the report about whole cruises, as Markdown."""
+"""The part of the page about whole cruises: how the paper was read, and the tables."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from experiments.markdown import grid, interval
-from experiments.yu2022.cruises.compare import LEAST_RUNS
-from experiments.yu2022.cruises.published import (
-    ALGORITHMS as PUBLISHED,
-)
-from experiments.yu2022.cruises.published import (
-    CASES,
-    PROPOSED,
-    RUNS,
-    STATISTICS,
-)
-from experiments.yu2022.cruises.runs import ALGORITHMS
-from experiments.yu2022.cruises.verdicts import LEAST_PAIRS, LEVEL, SAME
+from experiments.claims import Numbers
+from experiments.yu2022.cruises.published import CASES, PROPOSED, RUNS, STATISTICS
+from experiments.yu2022.cruises.runs import CALM, ENCODINGS, ENVIRONMENTS, LABELS, USUAL
+from usvjax.report import Section, Sheet
+from usvjax.report.numbers import NONE, fixed, interval, listed, p_value, percent
 
-Found = Mapping[str, Any]
-
-_TABLES = {"ordinary": ("3", "4"), "complex": ("6", "7")}
+PRINTED = {method: name for names in ENCODINGS.values() for name, method in names.items()}
+"""Of each method that stands for one of the paper's algorithms, which."""
 _INDICATORS = {"length": ("Length (m)", 0), "inflections": ("Inflection points", 1)}
-_MAPS = {"ordinary": "figs_6_10.png", "complex": "figs_11_15.png"}
 
 
-def figures(found: Found) -> list[str]:
-    """What the figures show that were drawn.
-
-    Args:
-        found: of `compare`.
-    """
-    maps = ", ".join(f"`figures/{_MAPS[environment]}`" for environment in found)
+def readings(numbers: Numbers) -> list[str]:
+    """How the paper was read."""
     return [
-        f"{maps}: one cruise of each algorithm on the same map; numbers are the order of visits, "
-        "grey is what was seen.",
-        "`figures/cruises.png`: lengths and inflection points of all algorithms beside the "
-        "published means.",
-    ]
-
-
-def counts(plan: Found) -> str:
-    """How many cruises there are of each algorithm.
-
-    Args:
-        plan: of the cruises, as in results.json.
-    """
-    text = (
-        f"cruises of Case 1: {plan['runs']:,} by each algorithm that sails by D* Lite, "
-        f"{plan['swarm_runs']:,} by each of Algorithms 1 to 3"
-    )
-    if len(plan["cases"]) > 1:
-        text += f", of each other case {plan['case_runs']:,} and {plan['case_swarm_runs']:,}"
-    return text
-
-
-def note(plan: Found) -> str:
-    """How to read the verdicts.
-
-    Args:
-        plan: of the cruises, as in results.json.
-    """
-    return (
-        f"Of {LEAST_RUNS} runs or more that visit all stations. Shortest and fewest: Welch's "
-        "t-test as in the paper, on the maps of Tables 3 and 6; one algorithm that is "
-        "significantly better refutes it, and it holds where the proposed one is significantly "
-        f"better than each. The level: every mean within {100 * LEVEL:.0f} %. All cases: the "
-        "mean difference to the proposed one map by map, on the maps n that both sailed "
-        f"completely, {LEAST_PAIRS} or more; only where its interval of 95 % lies off 0 does it "
-        f"count, for or against. The least time: the ranges of {plan['repeats']} cruises lie "
-        f"apart. The same order: the shortest tour in {100 * SAME:.0f} % of the runs of each."
-    )
-
-
-def section(found: Found) -> str:
-    """Write the tables.
-
-    Args:
-        found: of `compare`.
-    """
-    parts = []
-    for environment, cases in found.items():
-        first, second = _TABLES[environment]
-        parts += [
-            f"### Table {first}: Case 1, {environment} environment\n\n"
-            + _printed(cases["1"], environment),
-            f"### Planning time, {environment}, Case 1\n\n" + _times(cases["1"], environment),
-            f"### Table {second}: all cases, {environment} environment\n\n"
-            + _cases(cases, environment),
-            f"### The order of stations, {environment} environment\n\n" + _tours(cases),
-            f"### What each part brings, {environment} environment\n\n" + _parts(cases),
-        ]
-    return "\n\n".join(parts)
-
-
-def readings(plan: Found) -> list[str]:
-    """How the paper was read.
-
-    Args:
-        plan: of the cruises, as in results.json.
-    """
-    few, many = (min(plan[key], RUNS) for key in ("swarm_runs", "runs"))
-    return [
+        "How a wolf stands for a tour is not printed. Both readings count, for Algorithm 4 as for "
+        "the proposed one: *random keys*, whose order is the tour, and *swap sequences*, as in "
+        "the paper's reference 23. ACO, GA and CMPSO stand for tours in one way (ants walk them, "
+        "genes are permutations with order crossover, particles are random keys) and are the same "
+        "in both.",
+        "The printed change of 3 % per cell and move names no cells. Over the whole map half of "
+        "all cells are blocked within a few dozen moves, and no cruise comes home. Four readings "
+        "count in Tables 3 and 6: 3 % in the 5 x 5 cells that the vessel sees, 1 % there, none at "
+        "all, and 3 % everywhere, where Algorithms 1 to 3 were not run. All else is of 3 % in "
+        "the window. In brackets stands, where nothing changes, what the proposed one could be: "
+        "the shortest tour, exact D* Lite and its smoothing.",
         "Maps are not printed: every run has a map of its own, each cell blocked with the printed "
         "density as probability, the stations' cells free. Run k of every algorithm meets map k "
-        "and its flips. Where one has fewer runs than another, its means are those of fewer maps; "
-        "what is said of differences map by map is of the maps that both sailed.",
-        "The printed change of 3 % per cell and move would drive the whole map to half blocked; "
-        "here it falls on the 5 x 5 cells that the vessel sees. The vessel's cell and the "
-        "stations never change. Algorithms 1 to 3 plan a leg on the map as known, sail, and plan "
-        "anew where what they see blocks the way ahead; D* Lite repairs.",
+        "and its changes. The vessel's cell and the stations never change. Algorithms 1 to 3 plan "
+        "a leg on the map as known, sail, and plan anew where what they see blocks the way ahead; "
+        "D* Lite repairs.",
         "Algorithms 1 to 4 sail the cells of their path; only the proposed one's track is pulled "
-        "straight, as in the paper. Length and inflection points are those of the line that is "
+        "straight, as in the paper, and what stands beside them: the shortest tour, exact D* Lite "
+        "and that smoothing. Length and inflection points are those of the line that is "
         "sailed. A chord counts only where it was clear on the map of each moment that it "
         "replaces.",
-        f"Tables 3 and 6: the first {many} maps for the algorithms that sail by D* Lite and the "
-        f"first {few} for Algorithms 1 to 3, where {RUNS} runs of each are printed, with Welch's "
-        "t-test against the proposed algorithm. Runs that do not visit all stations are counted "
-        "apart and not averaged.",
+        f"Tables 3 and 6: of the first {RUNS} maps. The paper names a t-test; ours is Welch's, of "
+        "two samples. Runs that do not visit all stations are counted apart and not averaged.",
+        "*Detection area*: the cells that came into sight anywhere on the way, or those that "
+        "searches expanded, both grey in the paper's figures; each is judged.",
+        "Planning time: seconds for one cruise in a call, the tour, all planning under way, the "
+        "simulation itself and the smoothing, compiled before. Published: MATLAB R2017b on a Xeon "
+        "E5-2620.",
         "Population of the GA, sub-swarms of the CMPSO and how ants, genes and particles stand "
-        "for paths are not printed; see the docstrings of `usvkernels.planners` and "
-        "`usvkernels.tours`.",
+        "for paths are not printed and were not varied; see the docstrings of "
+        "`usvkernels.planners` and `usvkernels.tours`.",
     ]
 
 
-def _printed(case: Found, environment: str) -> str:
-    header = ["Indicator", "Algorithm", "n", "Best", "Mean", "Worst", "Std. dev.", "p"]
+def summary(numbers: Numbers) -> list[str]:
+    """The most important findings besides the verdicts."""
+    lines = []
+    for environment, tables in numbers["tables"].items():
+        published = STATISTICS[environment]["length"][PROPOSED].mean
+        means = {
+            (flips, method): tables[flips]["rows"]["length"][method].get("mean")
+            for flips in (USUAL, CALM)
+            for method in ("proposed", "proposed_swap", "recommended")
+        }
+        usual, calm = (
+            [means[flips, name] for name in ("proposed", "proposed_swap", "recommended")]
+            for flips in (USUAL, CALM)
+        )
+        gaps = (
+            numbers["cases"][environment]["1"]["algorithms"][name]["gap"]["mean"]
+            for name in ("proposed", "proposed_swap")
+        )
+        lines.append(
+            f"**{environment.capitalize()} environment, Case 1**: the proposed algorithm sails "
+            f"{fixed(usual[0], 0)} m with random keys and {fixed(usual[1], 0)} m with swap "
+            f"sequences (published {published:.0f} m), {fixed(calm[0], 0)} and {fixed(calm[1], 0)} "
+            f"m where nothing changes; the shortest tour with exact D* Lite and the same smoothing "
+            f"{fixed(usual[2], 0)} and {fixed(calm[2], 0)} m. Its tours are longer than the "
+            f"shortest by {listed(gaps, 1, 100)} %."
+        )
+    return lines
+
+
+def sections(numbers: Numbers) -> list[Section]:
+    """The tables."""
+    found = []
+    for environment, cases in numbers["cases"].items():
+        first, second = ENVIRONMENTS[environment].tables
+        tables = numbers["tables"][environment]
+        found += [
+            Section(
+                f"Table {first}: Case 1, {environment} environment",
+                [
+                    f"Best, mean, worst and standard deviation of n complete cruises of the first "
+                    f"{RUNS}, with 3 % of changes in the window; p: of Welch's t-test against the "
+                    "proposed one with the same encoding.",
+                    _printed(tables[USUAL], environment),
+                ],
+            ),
+            Section(f"Table {first} under every reading", _readings(tables, environment)),
+            Section(
+                f"Planning time, {environment} environment",
+                [_times(numbers["seconds"][environment]["cases"], environment)],
+            ),
+            Section(
+                f"Table {second}: all cases, {environment} environment", _cases(cases, environment)
+            ),
+            Section(f"The order of stations, {environment} environment", _tours(cases)),
+            Section(f"What each part brings, {environment} environment", _parts(cases)),
+            Section(
+                f"Detection area, {environment} environment, Case 1",
+                [_areas(numbers["detection"][environment])],
+            ),
+        ]
+    return found
+
+
+def _printed(table: Mapping[str, Any], environment: str) -> Sheet:
+    header = ["Indicator", "Algorithm", "n", "Best", "Mean", "Worst", "Std. dev."]
+    header += [f"p, {encoding}" for encoding in ENCODINGS]
     header += ["Published best", "mean", "worst", "std. dev.", "p"]
     rows = []
     for indicator, (label, digits) in _INDICATORS.items():
-        for name, row in case["printed"][indicator].items():
-            own = [_number(row.get(k), digits) for k in ("best", "mean", "worst", "std")]
-            own.append(f"{row['p']:.2g}" if row.get("p") is not None else "-")
-            printed = STATISTICS[environment][indicator].get(name)
-            theirs = ["-"] * 5
-            if printed:
+        for method, row in table["rows"][indicator].items():
+            own = [fixed(row.get(key), digits) for key in ("best", "mean", "worst", "std")]
+            theirs = [NONE] * 5
+            if method in PRINTED:
+                printed = STATISTICS[environment][indicator][PRINTED[method]]
                 values = (printed.best, printed.mean, printed.worst, printed.std)
-                theirs = [f"{value:.{digits}f}" for value in values]
-                theirs.append("-" if printed.p is None else f"{printed.p:.2g}")
-            rows.append([label, ALGORITHMS[name].label, str(row["n"]), *own, *theirs])
-    return grid(header, rows)
-
-
-def _times(case: Found, environment: str) -> str:
-    header = ["Algorithm", "Median (s)", "Least", "Largest", "Published mean (s)"]
-    published = STATISTICS[environment]["planning_time"]
-    rows = []
-    for name, own in case["seconds_alone"].items():
-        printed = published.get(name)
-        rows.append(
-            [
-                ALGORITHMS[name].label,
-                *(f"{own[k]:.3f}" for k in ("median", "least", "largest")),
-                f"{printed.mean:.1f}" if printed else "-",
+                theirs = [*(fixed(value, digits) for value in values), p_value(printed.p)]
+            tests = [
+                p_value(
+                    table["p"][indicator][encoding].get(PRINTED.get(method))
+                    if method in names.values()
+                    else None
+                )
+                for encoding, names in ENCODINGS.items()
             ]
-        )
-    return (
-        "Seconds for one cruise in a call: the tour, all planning under way, the simulation itself "
-        "and the smoothing, compiled code. Published: MATLAB R2017b on a Xeon E5-2620.\n\n"
-        + grid(header, rows)
+            rows.append([label, LABELS[method], str(row["n"]), *own, *tests, *theirs])
+    return Sheet("", header, rows, words=2)
+
+
+def _readings(tables: Mapping[str, Any], environment: str) -> list[str | Sheet]:
+    header = ["What changes", "Algorithm", "Runs", "All stations (%)"]
+    header += ["Length (m)", "Published", "Inflections", "Published", "Waits"]
+    rows = []
+    for flips, table in tables.items():
+        for method, own in table["outcomes"].items():
+            rows.append(
+                [
+                    flips,
+                    LABELS[method],
+                    f"{own['runs']:,}",
+                    interval(own["complete"], 100, digits=1),
+                    interval(own["length"], 1, digits=0),
+                    _published(environment, "length", method, 0),
+                    interval(own["inflections"], 1, digits=1),
+                    _published(environment, "inflections", method, 1),
+                    interval(own["waits"], 1, digits=1),
+                ]
+            )
+    text = (
+        "Means over all runs that visited all stations, with the range of 95 % of them in "
+        "brackets; shares with Wilson intervals. Each cell of the vessel's window or of the whole "
+        "map changes with that probability at every move; what happens outside the window is "
+        "noticed when it comes into sight."
     )
+    return [text, Sheet("", header, rows, words=2)]
 
 
-def _cases(cases: Found, environment: str) -> str:
+def _published(environment: str, indicator: str, method: str, digits: int) -> str:
+    if method not in PRINTED:
+        return NONE
+    return fixed(STATISTICS[environment][indicator][PRINTED[method]].mean, digits)
+
+
+def _times(cases: Mapping[str, Any], environment: str) -> Sheet:
+    header = ["Case", "Algorithm", "n", "Median (s)", "Least", "Largest", "Published (s)"]
+    rows = [
+        [
+            case,
+            LABELS[method],
+            str(own["n"]),
+            *(fixed(own[key], 3) for key in ("median", "least", "largest")),
+            fixed(CASES[environment][int(case)]["planning_time"][PRINTED[method]], 1),
+        ]
+        for case, methods in cases.items()
+        for method, own in methods.items()
+    ]
+    return Sheet("", header, rows, words=2)
+
+
+def _of_cases(cases: Mapping[str, Any]) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+    for case, found in cases.items():
+        for method, own in found["algorithms"].items():
+            yield case, method, own
+
+
+def _cases(cases: Mapping[str, Any], environment: str) -> list[str | Sheet]:
     header = ["Case", "Algorithm", "Runs", "All stations (%)", "Length (m)", "Published"]
     header += ["Inflections", "Published"]
     rows = []
-    for number, case in cases.items():
-        printed = CASES[environment][int(number)]
-        for name, own in case["algorithms"].items():
-            rows.append(
-                [
-                    number,
-                    ALGORITHMS[name].label,
-                    f"{own['runs']:,}",
-                    interval(own["complete"], 100, 1),
-                    interval(own["length"], 1, 0),
-                    _number(printed["length"].get(name), 0),
-                    interval(own["inflections"], 1, 1),
-                    _number(printed["inflections"].get(name), 0),
-                ]
-            )
+    for case, method, own in _of_cases(cases):
+        printed = CASES[environment][int(case)]
+        name = PRINTED.get(method)
+        rows.append(
+            [
+                case,
+                LABELS[method],
+                f"{own['runs']:,}",
+                interval(own["complete"], 100, digits=1),
+                interval(own["length"], 1, digits=0),
+                fixed(printed["length"][name], 0) if name else NONE,
+                interval(own["inflections"], 1, digits=1),
+                fixed(printed["inflections"][name], 0) if name else NONE,
+            ]
+        )
     text = (
         "Means over the runs that visited all stations, with the range of 95 % of them in "
         "brackets; shares with Wilson intervals."
     )
-    return text + "\n\n" + grid(header, rows)
+    return [text, Sheet("", header, rows, words=2)]
 
 
-def _tours(cases: Found) -> str:
-    header = ["Case", "Shortest (cells)", "Algorithm", "Gap mean (%)", "least", "largest"]
+def _tours(cases: Mapping[str, Any]) -> list[str | Sheet]:
+    header = ["Case", "Algorithm", "Shortest (m)", "Gap mean (%)", "least", "largest"]
     header.append("Shortest found (%)")
-    rows = []
-    for number, case in cases.items():
-        for name, own in case["algorithms"].items():
-            gap = own["gap"]
-            rows.append(
-                [
-                    number,
-                    f"{case['optimum']:.4f}",
-                    ALGORITHMS[name].label,
-                    *(f"{100 * gap[k]:.2f}" for k in ("mean", "least", "largest")),
-                    interval(gap["optimal"], 100, 1),
-                ]
-            )
-    text = "Closed tours, straight from station to station, against the shortest there is."
-    return text + "\n\n" + grid(header, rows)
+    rows = [
+        [
+            case,
+            LABELS[method],
+            fixed(cases[case]["optimum"], 1),
+            *(percent(own["gap"][key]) for key in ("mean", "least", "largest")),
+            interval(own["gap"]["optimal"], 100, digits=1),
+        ]
+        for case, method, own in _of_cases(cases)
+    ]
+    text = (
+        "Closed tours, straight from station to station, against the shortest there is (of 20 "
+        "stations the shortest that was found)."
+    )
+    return [text, Sheet("", header, rows, words=2)]
 
 
-def _parts(cases: Found) -> str:
+def _parts(cases: Mapping[str, Any]) -> list[str | Sheet]:
     header = ["Case", "Algorithm", "Track (m)", "Pulled straight (m)", "Detour", "Waits"]
-    header.append("Less the proposed one (m)")
+    header += [f"Less the proposed one, {encoding} (m)" for encoding in ENCODINGS]
     rows = []
-    for number, case in cases.items():
-        for name, own in case["algorithms"].items():
-            against = case["against_proposed"].get(name)
-            rows.append(
-                [
-                    number,
-                    ALGORITHMS[name].label,
-                    interval(own["track"], 1, 0),
-                    interval(own["smoothed"], 1, 0),
-                    interval(own["detour"], 1, 3),
-                    interval(own["waits"], 1, 1),
-                    interval(against["length"], 1, 0, sign=True) if against else "-",
-                ]
-            )
+    for case, method, own in _of_cases(cases):
+        against = cases[case]["against_proposed"]
+        less = [
+            interval(against[encoding][PRINTED[method]]["length"], 1, True, 0)
+            if method in names.values() and PRINTED[method] in against[encoding]
+            else NONE
+            for encoding, names in ENCODINGS.items()
+        ]
+        rows.append(
+            [
+                case,
+                LABELS[method],
+                interval(own["track"], 1, digits=0),
+                interval(own["smoothed"], 1, digits=0),
+                interval(own["detour"], 1, digits=3),
+                interval(own["waits"], 1, digits=1),
+                *less,
+            ]
+        )
     text = (
         "Track: through the centres of the cells sailed. Pulled straight: the same with the "
         "proposed algorithm's smoothing, whoever planned it. Detour: the line sailed over its own "
-        "tour's straight legs. The last column is the mean difference map by map, with its t "
-        "interval."
+        "tour's straight legs. The last columns are mean differences map by map, with their t "
+        "intervals."
     )
-    return text + "\n\n" + grid(header, rows)
+    return [text, Sheet("", header, rows, words=2)]
 
 
-def flips(varied: Found) -> str:
-    """Write what the flips change.
-
-    Args:
-        varied: of `vary`.
-    """
-    header = ["Environment", "What changes", "Algorithm", "Runs", "All stations (%)"]
-    header += ["Length (m)", "Published", "Inflections", "Published", "Waits"]
-    rows = []
-    for environment, kinds in varied.items():
-        printed = STATISTICS[environment]
-        for label, algorithms in kinds.items():
-            for name, own in algorithms.items():
-                theirs = {
-                    k: printed[k][name].mean if name in printed[k] else None for k in _INDICATORS
-                }
-                rows.append(
-                    [
-                        environment,
-                        label,
-                        ALGORITHMS[name].label,
-                        f"{own['runs']:,}",
-                        interval(own["complete"], 100, 1),
-                        interval(own["length"], 1, 0),
-                        _number(theirs["length"], 0),
-                        interval(own["inflections"], 1, 1),
-                        _number(theirs["inflections"], 1),
-                        interval(own["waits"], 1, 1),
-                    ]
-                )
-    text = (
-        "Case 1. The paper's change of 3 % names no cells. Each cell of the vessel's window or of "
-        "the whole map changes with that probability at every move; what happens outside the "
-        "window is noticed when it comes into sight."
-    )
-    return f"### What the flips change\n\n{text}\n\n" + grid(header, rows)
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
-
-
-def summary(found: Found) -> list[str]:
-    """Sentences for the head of the report."""
-    lines = []
-    for environment, cases in found.items():
-        case = cases["1"]["algorithms"]
-        own, best = case[PROPOSED], case["best"]
-        if own["length"]["value"] is None or best["length"]["value"] is None:
-            continue
-        published = STATISTICS[environment]["length"][PROPOSED].mean
-        gaps = ", ".join(f"{100 * case[name]['gap']['mean']:.1f}" for name in PUBLISHED)
-        lines.append(
-            f"**{environment.capitalize()} environment, Case 1**: the proposed algorithm sails "
-            f"{own['length']['value']:.0f} m (published {published:.0f} m); the shortest tour "
-            f"with exact D* Lite and the same smoothing {best['length']['value']:.0f} m. Mean gap "
-            f"of the tours to the shortest: {gaps} % ({', '.join(PUBLISHED)})."
-        )
-    return lines
+def _areas(found: Mapping[str, Any]) -> Sheet:
+    header = ["Reading", "Area", "Maps", "Algorithm 4", "Proposed", "Less by"]
+    rows = [
+        [
+            encoding,
+            {"seen": "cells in sight", "expanded": "cells expanded"}[kind],
+            str(own["n"]),
+            interval(own["gwo"], 1, digits=0),
+            interval(own[PROPOSED], 1, digits=0),
+            interval(own["less"], 1, digits=0),
+        ]
+        for encoding, kinds in found.items()
+        for kind, own in kinds.items()
+    ]
+    return Sheet("", header, rows, words=2)

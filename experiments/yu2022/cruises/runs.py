@@ -1,22 +1,21 @@
-"""Cruises of the five algorithms of Yu et al. 2022 through the same waters."""
+"""What is sailed: the algorithms of Yu et al. 2022 through the same waters, under every reading."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-import usvjax as uj
+from experiments.runs import Call, Columns, Found, Run, Study
 from experiments.yu2022.cases import COMPLEX, COMPLEX_SIDE, ORDINARY, ORDINARY_SIDE
-from experiments.yu2022.cruises.published import PROPOSED
-from usvjax.missions.cruise import CruiseResult
+from experiments.yu2022.cruises.published import ALGORITHMS, CASES, RUNS
+from experiments.yu2022.options import SEED, YuOptions
+from usvjax.mission import Case, Mission
 from usvkernels.status import Status
 
 CELL = 10.0
 """Edge of a cell, m."""
-SPEED = 10.0
-"""Of the vessel, m/s."""
 
 
 @dataclass(frozen=True)
@@ -24,228 +23,254 @@ class Environment:
     """Where cruises go.
 
     Attributes:
-        name: in the paper.
         side: cells.
         density: of blocked cells.
         cases: number of a case to its stations, int[d, 2], cells (x, y), the start first.
+        tables: number of the table of Case 1, and of that of all cases.
     """
 
-    name: str
     side: int
     density: float
     cases: Mapping[int, np.ndarray]
+    tables: tuple[str, str]
 
 
-ENVIRONMENTS = (
-    Environment("ordinary", ORDINARY_SIDE, 0.10, ORDINARY),
-    Environment("complex", COMPLEX_SIDE, 0.12, COMPLEX),
-)
-
-
-@dataclass(frozen=True)
-class Algorithm:
-    """One of the algorithms compared.
-
-    Attributes:
-        label: for tables.
-        tour: how the order is found, as `solve_tour` calls it.
-        sails: how the legs are sailed, keyword arguments of `cruise`.
-        smoothed: whether the track is pulled straight afterwards.
-    """
-
-    label: str
-    tour: str
-    sails: Mapping[str, Any] = field(default_factory=dict)
-    smoothed: bool = False
-
-
-ALGORITHMS = {
-    "aco": Algorithm("1: ACO", "aco", {"method": "aco"}),
-    "ga": Algorithm("2: GA", "ga", {"method": "ga"}),
-    "cmpso": Algorithm("3: CMPSO", "cmpso", {"method": "cmpso"}),
-    "gwo": Algorithm("4: GWO, D* Lite", "gwo", {"heuristic": "chebyshev"}),
-    PROPOSED: Algorithm(
-        "proposed: IGWO, improved D* Lite", "igwo", {"heuristic": "weighted"}, smoothed=True
-    ),
-    "best": Algorithm(
-        "beside: shortest tour, exact D* Lite, smoothed",
-        "recommended",
-        {"heuristic": "octile"},
-        smoothed=True,
-    ),
+ENVIRONMENTS = {
+    "ordinary": Environment(ORDINARY_SIDE, 0.10, ORDINARY, ("3", "4")),
+    "complex": Environment(COMPLEX_SIDE, 0.12, COMPLEX, ("6", "7")),
 }
-"""Those of the paper in the order of its tables, and what can be had."""
+
+ENCODINGS: dict[str, dict[str, str]] = {
+    "random keys": {name: name for name in ALGORITHMS},
+    "swap sequences": {name: name for name in ALGORITHMS}
+    | {"gwo": "gwo_swap", "proposed": "proposed_swap"},
+}
+"""How wolves stand for tours: of each algorithm of the paper the method of `kind = "cruise"`. Ants,
+genes and particles stand for tours in one way only."""
+BESIDE = {"shortest tour": {**ENCODINGS["swap sequences"], "proposed": "recommended"}}
+"""A reading that does not count: the proposed one as it could be."""
+
+LABELS = {
+    "aco": "1: ACO",
+    "ga": "2: GA",
+    "cmpso": "3: CMPSO",
+    "gwo": "4: GWO, random keys",
+    "gwo_swap": "4: GWO, swap sequences",
+    "proposed": "proposed, random keys",
+    "proposed_swap": "proposed, swap sequences",
+    "recommended": "beside: shortest tour",
+}
+"""Methods in the order of tables; the last is what can be had."""
+SMOOTHED = ("proposed", "proposed_swap", "recommended")
+"""Methods whose track counts as pulled straight, as in the paper that of the proposed one alone."""
+SWARMS = ("aco", "ga", "cmpso")
+WOLVES = tuple(name for name in LABELS if name not in SWARMS)
+TIMED = tuple(name for name in LABELS if name != "recommended")
+
+
+class Flips(NamedTuple):
+    """What the printed change of 3 % may mean.
+
+    Attributes:
+        rate: with which a cell changes at a step.
+        scope: "window" of what the vessel sees, or "map".
+    """
+
+    rate: float
+    scope: str
+
+
+USUAL, CALM, FLOOD = "3 % in the window", "nothing changes", "3 % of the map"
+FLIPS = {
+    USUAL: Flips(0.03, "window"),
+    "1 % in the window": Flips(0.01, "window"),
+    CALM: Flips(0.0, "window"),
+    FLOOD: Flips(0.03, "map"),
+}
+
+FULL, QUICK = 200, 24
+"""Cruises of each case by D* Lite."""
+FEW = 5
+"""Cruises of Cases 2 to 4 by Algorithms 1 to 3."""
+LEAST_RUNS = 20
+"""Runs from which on there is a verdict; so many are made of what is slow or comes to nothing:
+Algorithms 1 to 3 where less changes, and all where the whole map does."""
+
+
+SHARD = 10
+"""Cruises by Algorithms 1 to 3 between two savings; of the others as many as the paper has."""
+
+
+class Plan(NamedTuple):
+    """What is run.
+
+    Attributes:
+        environments: names.
+        cases: numbers.
+        flips: what changes, keys of `FLIPS`; other than the usual in Case 1 only.
+        slow: cruises of Case 1, and of each other, by Algorithms 1 to 3 that are timed.
+        fast: likewise by the others, in every case.
+    """
+
+    environments: tuple[str, ...]
+    cases: tuple[int, ...]
+    flips: tuple[str, ...]
+    slow: tuple[int, int]
+    fast: int
+
+    def repeats(self, method: str, case: int) -> int:
+        """Cruises that are timed."""
+        return self.fast if method in WOLVES else self.slow[case != 1]
+
+
+ALL = Plan(tuple(ENVIRONMENTS), tuple(CASES["ordinary"]), tuple(FLIPS), (2, 1), 8)
+LOOK = Plan(("ordinary",), (1,), (USUAL, CALM), (1, 0), 3)
+
+
+def runs(options: YuOptions) -> dict[str, Run]:
+    """Everything to run.
+
+    Raises:
+        BadInputError: fewer than one run.
+    """
+    plan = LOOK if options.quick else ALL
+    sailed, few = options.size("runs", FULL, QUICK), options.size("swarm_runs", RUNS, 1)
+    calmer = [kind for kind in plan.flips if kind not in (USUAL, FLOOD)]
+    studies = {
+        "cases": (WOLVES, plan.cases, [USUAL], sailed),
+        "other changes": (WOLVES, (1,), calmer, min(sailed, RUNS)),
+        "changes everywhere": (WOLVES, (1,), [FLOOD], min(sailed, LEAST_RUNS)),
+        "Case 1, Algorithms 1 to 3": (SWARMS, (1,), [USUAL], min(sailed, few)),
+        "other changes, Algorithms 1 to 3": (SWARMS, (1,), calmer, min(sailed, few, LEAST_RUNS)),
+        "Cases 2 to 4, Algorithms 1 to 3": (SWARMS, plan.cases[1:], [USUAL], min(few, FEW)),
+    }
+    found: dict[str, Run] = {}
+    for name, (methods, cases, kinds, episodes) in studies.items():
+        conditions = [
+            _condition(environment, case, kind)
+            for environment in plan.environments
+            for case in cases
+            for kind in kinds
+            if kind in plan.flips
+        ]
+        if conditions:
+            found[name] = _study(methods, episodes, conditions)
+    usual = found["cases"]
+    assert isinstance(usual, Study)
+    found["times"] = Call(lambda advance: timed(usual, plan, advance), timings(plan))
+    return found
+
+
+def label_of(environment: str, case: int, flips: str) -> str:
+    """Label of a condition."""
+    return f"{environment}, Case {case}, {flips}"
+
+
+def _condition(environment: str, case: int, flips: str) -> dict[str, Any]:
+    where = ENVIRONMENTS[environment]
+    places = CELL * (where.cases[case] + 0.5)
+    return {
+        "label": label_of(environment, case, flips),
+        "maps": {
+            "shape": [where.side, where.side],
+            "density": where.density,
+            "cell_size": CELL,
+            "places": places.tolist(),
+        },
+        "cruise": {"flip_rate": FLIPS[flips].rate, "flip_scope": FLIPS[flips].scope},
+    }
+
+
+def _study(methods: tuple[str, ...], episodes: int, conditions: list[dict[str, Any]]) -> Study:
+    """One seed for all studies: job k of each meets map k and its changes."""
+    return Study(
+        {
+            "name": "cruises",
+            "kind": "cruise",
+            "seed": SEED,
+            "episodes": episodes,
+            "shard": SHARD if methods == SWARMS else RUNS,
+            "methods": list(methods),
+            "conditions": conditions,
+        }
+    )
 
 
 @dataclass(frozen=True)
-class Cruises:
-    """n cruises of one algorithm in one case; maps and flips are those of all algorithms.
+class Sailed:
+    """Cruises of one method under one condition.
 
     Attributes:
-        result: of `cruise`.
-        tour_length: float[n], closed, straight from station to station, cells.
-        smoothed: whether the paper counts the track as pulled straight.
+        columns: of the study, in the order of the jobs.
+        smoothed: whether the track counts as pulled straight.
     """
 
-    result: CruiseResult
-    tour_length: np.ndarray
+    columns: Columns
     smoothed: bool
 
     @property
     def complete(self) -> np.ndarray:
-        """Which visited every station and came home; bool[n]."""
-        complete: np.ndarray = self.result.status == int(Status.REACHED)
+        """Whether all stations were visited, bool[n]."""
+        complete: np.ndarray = self.columns["status"] == int(Status.REACHED)
         return complete
 
     @property
     def length(self) -> np.ndarray:
-        """As the paper counts it for this algorithm, m; float[n]."""
-        return self.result.smooth_length if self.smoothed else self.result.length
+        """As the paper counts it for this algorithm, m; float64[n]."""
+        return self._counted("length")
 
     @property
     def inflections(self) -> np.ndarray:
-        """As the paper counts them for this algorithm; int[n]."""
-        return self.result.smooth_inflections if self.smoothed else self.result.inflections
+        """As the paper counts them for this algorithm; float64[n]."""
+        return self._counted("inflections")
+
+    def _counted(self, name: str) -> np.ndarray:
+        return self.columns[f"smooth_{name}" if self.smoothed else name].astype(np.float64)
 
 
-Results = dict[tuple[str, int], dict[str, Cruises]]
-"""Environment and case, then algorithm."""
-Seconds = dict[str, dict[str, list[float]]]
-"""Environment, algorithm, and seconds of single cruises."""
-Varied = dict[str, dict[str, dict[str, Cruises]]]
-"""Environment, kind of flips, algorithm."""
+def sailed_by(found: Found, environment: str, case: int, flips: str, method: str) -> Sailed | None:
+    """The cruises of a method; None where there are none."""
+    label = label_of(environment, case, flips)
+    for ran in found.studies.values():
+        known = any(condition.label == label for condition in ran.spec.conditions)
+        if known and method in ran.spec.methods:
+            return Sailed(ran.columns(label, method), method in SMOOTHED)
+    return None
 
 
-FLIPS: dict[str, tuple[float, str]] = {
-    "nothing changes": (0.0, "window"),
-    "1 % in the window": (0.01, "window"),
-    "3 % in the window": (0.03, "window"),
-    "3 % of the whole map": (0.03, "map"),
-}
-"""What the printed change of 3 % may mean: `flip_rate` and `flip_scope` of a cruise."""
-VARIED = ("gwo", PROPOSED, "best")
-"""Algorithms that meet all of them, in Case 1."""
+def timings(plan: Plan) -> int:
+    """Cruises that are timed."""
+    times = sum(plan.repeats(name, case) for name in TIMED for case in plan.cases)
+    return times * len(plan.environments)
 
 
-@dataclass(frozen=True)
-class Plan:
-    """How much to run.
+def timed(study: Study, plan: Plan, advance: Callable[[int], object]) -> dict[str, Any]:
+    """Seconds of single cruises, one by one: environment, case, algorithm.
 
-    Attributes:
-        runs: of the algorithms that sail by D* Lite, in Case 1.
-        swarm_runs: of those that plan legs by ants, genes or particles, in Case 1; they are slow.
-        case_runs: likewise by D* Lite, in every other case.
-        case_swarm_runs: likewise by swarms.
-        varied_runs: of those that meet other flips.
-        repeats: cruises timed alone.
-        seed: of maps, flips and swarms.
-        cases: numbers of those that are run.
-        environments: names.
+    Each is compiled before: the slow ones by the first cruise of an environment, the others by
+    every cruise that is timed, as their programs come in several sizes.
     """
-
-    runs: int
-    swarm_runs: int
-    case_runs: int
-    case_swarm_runs: int
-    varied_runs: int
-    repeats: int
-    seed: int = 2022
-    cases: tuple[int, ...] = (1, 2, 3, 4)
-    environments: tuple[str, ...] = ("ordinary", "complex")
-
-    @property
-    def chosen(self) -> list[tuple[Environment, int]]:
-        """The environments and cases to run."""
-        named = [e for e in ENVIRONMENTS if e.name in self.environments]
-        return [(environment, case) for environment in named for case in self.cases]
-
-    @property
-    def total(self) -> int:
-        """Batches to be sailed."""
-        per_environment = len(self.cases) * len(ALGORITHMS) + len(FLIPS) + len(ALGORITHMS)
-        return len(self.environments) * per_environment
-
-    def count(self, algorithm: Algorithm, case: int) -> int:
-        """Runs of an algorithm in a case."""
-        if "method" in algorithm.sails:
-            return self.swarm_runs if case == 1 else self.case_swarm_runs
-        return self.runs if case == 1 else self.case_runs
-
-
-def maps_of(environment: Environment, case: int, count: int, seed: int) -> np.ndarray:
-    """Maps of a case, bool[n, H, W]; the stations' cells are free."""
-    side = environment.side
-    key = seed + 10 * case + (environment.name == "complex")
-    blocked = uj.random_maps(key, count, shape=(side, side), density=environment.density)
-    x, y = environment.cases[case].T
-    blocked[:, y, x] = False
-    return blocked
-
-
-def sail_all(plan: Plan, advance: Callable[[int], None]) -> Results:
-    """Sail every case with every algorithm.
-
-    Args:
-        plan: how much.
-        advance: called with 1 after each batch.
-    """
-    results: Results = {}
-    for environment, case in plan.chosen:
-        for name, algorithm in ALGORITHMS.items():
-            maps = maps_of(environment, case, plan.count(algorithm, case), plan.seed)
-            found = _once(algorithm, maps, environment.cases[case], plan.seed)
-            results.setdefault((environment.name, case), {})[name] = found
-            advance(1)
-    return results
-
-
-def sail_varied(plan: Plan, advance: Callable[[int], None]) -> Varied:
-    """Sail Case 1 with other flips; arguments as `sail_all`."""
-    results: Varied = {}
-    for environment in (e for e in ENVIRONMENTS if e.name in plan.environments):
-        maps = maps_of(environment, 1, plan.varied_runs, plan.seed)
-        for label, flips in FLIPS.items():
-            for name in VARIED:
-                found = _once(ALGORITHMS[name], maps, environment.cases[1], plan.seed, flips)
-                results.setdefault(environment.name, {}).setdefault(label, {})[name] = found
-            advance(1)
-    return results
-
-
-def time_alone(plan: Plan, advance: Callable[[int], None]) -> Seconds:
-    """Time cruises of Case 1 one by one, compiled before; arguments as `sail_all`."""
-    seconds: Seconds = {}
-    for environment in (e for e in ENVIRONMENTS if e.name in plan.environments):
-        maps = maps_of(environment, 1, plan.repeats + 1, plan.seed)
-        for name, algorithm in ALGORITHMS.items():
-            took = []
-            for row in range(len(maps)):
-                begun = perf_counter()
-                _once(algorithm, maps[row : row + 1], environment.cases[1], plan.seed)
-                took.append(perf_counter() - begun)
-            # The first of them compiles.
-            seconds.setdefault(environment.name, {})[name] = took[1:]
-            advance(1)
+    seconds: dict[str, Any] = {}
+    by_label = {condition.label: condition.case for condition in study.spec.conditions}
+    mission = study.spec.mission
+    for environment in plan.environments:
+        for case in plan.cases:
+            given = by_label[label_of(environment, case, USUAL)]
+            rows = seconds.setdefault(environment, {}).setdefault(str(case), {})
+            for name in TIMED:
+                repeats = plan.repeats(name, case)
+                for job in range(repeats if name in WOLVES else case == plan.cases[0]):
+                    _seconds(mission, given, name, job)
+                rows[name] = []
+                for job in range(repeats):
+                    rows[name].append(_seconds(mission, given, name, job))
+                    advance(1)
     return seconds
 
 
-def _once(
-    algorithm: Algorithm,
-    maps: np.ndarray,
-    stations: np.ndarray,
-    seed: int,
-    flips: tuple[float, str] = FLIPS["3 % in the window"],
-) -> Cruises:
-    rate, scope = flips
-    tour = uj.solve_tour(stations, seed, algorithm=algorithm.tour, runs=len(maps))
-    result = uj.cruise(
-        maps,
-        stations,
-        seed,
-        order=tour.order,
-        params=uj.CruiseParams(flip_rate=rate, speed=SPEED),
-        static=uj.CruiseStatic(flip_scope=scope),
-        cell_size=CELL,
-        **algorithm.sails,
-    )
-    return Cruises(result, tour.length, algorithm.smoothed)
+def _seconds(mission: Mission, case: Case, method: str, job: int) -> float:
+    """Time of one cruise, its tour included."""
+    scene = mission.pose(case, SEED, np.array([job]))
+    begun = perf_counter()
+    mission.run(scene, method)
+    return perf_counter() - begun

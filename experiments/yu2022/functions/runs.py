@@ -5,14 +5,13 @@ from typing import Any
 from experiments.runs import Run, Study
 from experiments.yu2022.functions.mission import MISSION
 from experiments.yu2022.functions.published import ITERATIONS, RUNS, WOLVES
-from usvjax.errors import BadInputError
+from experiments.yu2022.options import SEED, YuOptions
 from usvjax.registry import register_mission
 from usvkernels.swarms.functions import TABLE_8
 
 KIND = "yu2022_swarms"
 register_mission(KIND, "experiments.yu2022.functions.mission:MISSION")
 
-SEED = 2022
 MANY, QUICK_RUNS = 1000, 24
 ALGORITHMS = list(MISSION.methods)
 WOLVES_ONLY = ["gwo", "igwo"]
@@ -30,7 +29,7 @@ READINGS: dict[str, dict[str, Any]] = {
 """What is run on the budget of Table 2."""
 
 
-def runs(options: Any) -> dict[str, Run]:
+def runs(options: YuOptions) -> dict[str, Run]:
     """All runs.
 
     Args:
@@ -39,11 +38,7 @@ def runs(options: Any) -> dict[str, Run]:
     Raises:
         BadInputError: fewer than one run.
     """
-    many = options.runs
-    if many is None:
-        many = QUICK_RUNS if options.quick else MANY
-    elif many < 1:
-        raise BadInputError(f"--runs: got {many}; wanted at least 1 run")
+    many = options.size("runs", MANY, QUICK_RUNS)
     functions = list(TABLE_8)[: 1 if options.quick else None]
     budgets = QUICK_BUDGETS if options.quick else BUDGETS
     few = min(many, RUNS)

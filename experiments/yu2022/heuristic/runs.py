@@ -4,13 +4,12 @@ from typing import Any
 
 from experiments.runs import Run, Study
 from experiments.yu2022.heuristic.mission import TRADITIONAL, UNIT
-from usvjax.errors import BadInputError
+from experiments.yu2022.options import SEED, YuOptions
 from usvjax.registry import register_mission
 
 KIND = "yu2022_plans"
 register_mission(KIND, "experiments.yu2022.heuristic.mission:MISSION")
 
-SEED = 2022
 MAPS, QUICK_MAPS = 1000, 100
 COMPLEX = "100 x 100, 12 % (complex)"
 PLANS: dict[str, dict[str, Any]] = {
@@ -26,7 +25,7 @@ EPISODES: dict[str, dict[str, Any]] = {
 }
 
 
-def runs(options: Any) -> dict[str, Run]:
+def runs(options: YuOptions) -> dict[str, Run]:
     """First plans on maps that stay as they are, and episodes on maps that change.
 
     Args:
@@ -35,11 +34,7 @@ def runs(options: Any) -> dict[str, Run]:
     Raises:
         BadInputError: fewer than one map.
     """
-    maps = options.maps
-    if maps is None:
-        maps = QUICK_MAPS if options.quick else MAPS
-    elif maps < 1:
-        raise BadInputError(f"--maps: got {maps}; wanted at least 1 map of each kind")
+    maps = options.size("maps", MAPS, QUICK_MAPS)
     plans = {label: own for label, own in PLANS.items() if label != COMPLEX or not options.quick}
     exact = [TRADITIONAL, "octile", "weighted", "weighted_octile"]
     return {

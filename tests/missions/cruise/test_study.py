@@ -11,7 +11,7 @@ from cruise_scenes import ponds
 from study_fake import study_rows
 
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import save_map
+from usvjax.maps import random_maps, save_map
 from usvjax.missions.cruise import CruiseParams, CruiseStatic
 from usvjax.missions.cruise.chart import TRACK_ID
 from usvjax.missions.cruise.figures import visits_words
@@ -167,6 +167,8 @@ def test_methods_are_what_they_say(method, monkeypatch):
         "astar": ("recommended", "astar", "octile"),
         "proposed": ("igwo", "dstar_lite", "weighted"),
         "gwo": ("gwo", "dstar_lite", "chebyshev"),
+        "proposed_swap": ("igwo_swap", "dstar_lite", "weighted"),
+        "gwo_swap": ("gwo_swap", "dstar_lite", "chebyshev"),
     }.get(method, (method, method, "octile"))
     wanted = {"tour": tour, "method": planner, "heuristic": heuristic, "first": 3, "first_tour": 3}
     wanted |= {"params": CruiseParams(), "static": CruiseStatic(sensing=(3, 5))}
@@ -185,9 +187,29 @@ def test_given_places_are_every_jobs(tmp_path):
     assert drawn.stations.tolist() == [[[1, 1], [9, 8]]] * 2
     assert drawn.blocked.shape == (10, 18)
     assert list(condition.case.inputs) == ["ponds.map"]
-    maps = {"source": "grid", "map": "ponds.map"}
-    (condition,) = parse_spec(cruise_study(maps=maps), folder=tmp_path).conditions
-    assert condition.case.settings["maps"]["stations"] == 20
+    for maps in ({"source": "grid", "map": "ponds.map"}, {}):
+        (condition,) = parse_spec(cruise_study(maps=maps), folder=tmp_path).conditions
+        assert condition.case.settings["maps"]["stations"] == 20
+
+
+def test_given_places_are_free_on_random_maps():
+    places = [[5.0, 5.0], [95.0, 15.0], [45.0, 115.0]]
+    maps = {"shape": [12, 10], "density": 0.5, "places": places}
+    (condition,) = parse_spec(cruise_study(maps=maps)).conditions
+    source = condition.case.given.source
+    drawn = source.draw(7, np.arange(4, 24))
+    assert drawn.stations.tolist() == [[[0, 0], [9, 1], [4, 11]]] * 20
+    free = random_maps(7, 20, (12, 10), 0.5, first=4)
+    assert free[:, [0, 1, 11], [0, 9, 4]].any(axis=0).all()
+    free[:, [0, 1, 11], [0, 9, 4]] = False
+    np.testing.assert_array_equal(drawn.blocked, free)
+    for changed, words in (
+        ({"stations": 3}, "'stations' is of what is drawn"),
+        ({"places": [*places, [101.0, 5.0]]}, r"'places': \(101, 5\) is not on the map's water"),
+        ({"places": [*places, [6.0, 6.0]]}, "two stations in one cell"),
+    ):
+        with pytest.raises(BadInputError, match=words):
+            parse_spec(cruise_study(maps={**maps, **changed}))
 
 
 def test_the_figures_show_how_methods_compare_and_a_cruise(finished, monkeypatch):

@@ -7,6 +7,8 @@ LOOKS = {
     "recommended": style.Look(style.BLUE, "-", "s"),
     "proposed": style.Look(style.VERMILLION, "--", "*"),
     "gwo": style.Look(style.ORANGE, "-.", "^"),
+    "proposed_swap": style.Look(style.VERMILLION, ":", "X"),
+    "gwo_swap": style.Look(style.ORANGE, ":", "<"),
     "aco": style.Look(style.GREEN, ":", "v"),
     "ga": style.Look(style.SKY, "--", "P"),
     "cmpso": style.Look(style.PURPLE, "-.", "D"),

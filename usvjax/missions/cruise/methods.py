@@ -68,6 +68,16 @@ METHODS: dict[str, CruiseMethod] = {
         "gwo",
         heuristic="chebyshev",
     ),
+    "proposed_swap": CruiseMethod(
+        "as proposed, wolves by swap sequences instead of random keys",
+        "igwo_swap",
+        heuristic="weighted",
+    ),
+    "gwo_swap": CruiseMethod(
+        "as gwo, wolves by swap sequences instead of random keys",
+        "gwo_swap",
+        heuristic="chebyshev",
+    ),
     "aco": CruiseMethod("tour and paths by ants (Yu et al. 2022, Algorithm 1)", "aco", "aco"),
     "ga": CruiseMethod("tour and paths by genes (Yu et al. 2022, Algorithm 2)", "ga", "ga"),
     "cmpso": CruiseMethod(

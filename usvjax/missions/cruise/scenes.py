@@ -38,22 +38,26 @@ class CruiseScenes:
 
 @dataclass(frozen=True)
 class CellTable(OnOwnMaps):
-    """Random maps, each cell blocked with the same probability, with random stations.
+    """Random maps, each cell blocked with the same probability, with random or given stations.
 
     Attributes:
         shape: rows and columns, cells; 3 or more each.
         density: probability that a cell is blocked, in [0, 1].
         cell_size: edge of a cell, m; above 0.
-        stations: number of stations of a cruise, home included; 2 to 200. One map whose largest
-            water has no room for them ends the study.
-        min_distance: least straight-line distance between two stations, m; 0 or more.
+        stations: number of stations drawn for each cruise, home included; 2 to 200, 20 when left
+            out. One map whose largest water has no room for them ends the study. Not with `places`.
+        min_distance: least straight-line distance between two stations drawn, m; 0 or more.
+        places: x and y of each station in metres from the map's corner, home first, the same for
+            every job; 2 to 200 of them. Their cells are free on every map, which may still part
+            them. When left out, stations are drawn.
     """
 
     shape: tuple[int, int] = (50, 50)
     density: float = 0.1
     cell_size: float = 10.0
-    stations: int = STATIONS
+    stations: int | None = None
     min_distance: float = 0.0
+    places: tuple[tuple[float, float], ...] | None = None
 
     def check(self, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
@@ -63,8 +67,18 @@ class CellTable(OnOwnMaps):
                 f"{where}: 'shape' must be [rows, columns], 3 or more each, "
                 f"got {list(self.shape)!r}"
             )
-        check_stations(self.stations, self.min_distance, where)
+        if self.places is not None:
+            drawn = {"stations": self.stations, "min_distance": self.min_distance}
+            check_only_drawn(drawn, "'places'", where)
+            check_places(self.places, self._open_water, where)
+            return
+        check_stations(_count(self), self.min_distance, where)
         some_scenes(self)
+
+    @property
+    def _open_water(self) -> GridMap:
+        """A map without a blocked cell."""
+        return GridMap(np.zeros(self.shape, bool), self.cell_size, self.origin)
 
     def draw(self, seed: int, jobs: np.ndarray) -> CruiseScenes:
         """Return the maps and stations of int64[J] jobs.
@@ -73,11 +87,15 @@ class CellTable(OnOwnMaps):
             BadInputError: the water of a job has no room for them.
         """
         grids = maps_of_jobs(seed, jobs, self.shape, self.density)
+        if self.places is not None:
+            given = self._open_water.cells_of(self.places).astype(np.int32)
+            grids[:, given[:, 1], given[:, 0]] = False
+            return CruiseScenes(grids, _repeated(given, jobs))
         cells = [cells_where(GridMap(grid).largest_component()) for grid in grids]
         least = self.min_distance / self.cell_size
         place = f"the largest water of a map of density {self.density:g}"
         lower = "'stations' or 'min_distance'"
-        stations = draw_stations(seed, jobs, cells, self.stations, least, place, lower)
+        stations = draw_stations(seed, jobs, cells, _count(self), least, place, lower)
         return CruiseScenes(grids, stations)
 
 
@@ -142,7 +160,7 @@ class ChartSource(OnChart):
             check_only_drawn(drawn, "'places'", where)
             check_places(self.table.places, self.water, where)
             return
-        check_stations(self._count, self.table.min_distance, where)
+        check_stations(_count(self.table), self.table.min_distance, where)
         some_scenes(self)
 
     def draw(self, seed: int, jobs: np.ndarray) -> CruiseScenes:
@@ -153,17 +171,23 @@ class ChartSource(OnChart):
         """
         if self.table.places is not None:
             given = self.chart.cells_of(self.table.places).astype(np.int32)
-            return CruiseScenes(self.water.blocked, np.repeat(given[None], len(jobs), axis=0))
+            return CruiseScenes(self.water.blocked, _repeated(given, jobs))
         least = self.table.min_distance / self.cell_size
         place = f"the largest water of {self.table.map!r}"
         cells = [self.cells] * len(jobs)
         lower = "'stations', 'min_distance', 'shore_distance' or 'inflate'"
-        stations = draw_stations(seed, jobs, cells, self._count, least, place, lower)
+        stations = draw_stations(seed, jobs, cells, _count(self.table), least, place, lower)
         return CruiseScenes(self.water.blocked, stations)
 
-    @property
-    def _count(self) -> int:
-        return STATIONS if self.table.stations is None else self.table.stations
+
+def _count(table: CellTable | ChartTable) -> int:
+    """How many stations are drawn."""
+    return STATIONS if table.stations is None else table.stations
+
+
+def _repeated(stations: np.ndarray, jobs: np.ndarray) -> np.ndarray:
+    """The same stations int32[d, 2] for every job, int32[J, d, 2]."""
+    return np.repeat(stations[None], len(jobs), axis=0)
 
 
 Source = CellTable | ChartSource
@@ -178,8 +202,8 @@ def some_scenes(source: Source) -> CruiseScenes:
 
 def opened(table: CellTable | ChartTable, folder: Path, where: str) -> Opened[Source]:
     """What a `[maps]` table asks for, with its map read; see `usvjax.maps.tables.read_maps`."""
+    if table.places is None:
+        table = replace(table, stations=_count(table))
     if isinstance(table, CellTable):
         return Opened(table, table)
-    if table.stations is None and table.places is None:
-        table = replace(table, stations=STATIONS)
     return on_chart(table, ChartSource, folder, where)
