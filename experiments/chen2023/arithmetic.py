@@ -2,9 +2,9 @@
 
 from math import cos, inf, pi, radians
 
+from experiments.chen2023.angles import DIGITS, turning
 from experiments.chen2023.published import (
     ALGORITHMS,
-    DIGITS,
     PRINTED_RADIUS,
     SPEED,
     TABLE_3,
@@ -38,7 +38,7 @@ def checks() -> list[Check]:
 
 def _smaller(place: int, row: Row, digits: str) -> Check:
     """The proposed path turns less, says the text; the digits may say otherwise."""
-    ours, theirs = row.proposed.degrees(digits), row.bspline.degrees(digits)
+    ours, theirs = turning(row.proposed, digits), turning(row.bspline, digits)
     return Check(
         f"Table 3, row {place}: the proposed path turns less, digits as {digits}",
         f"{ours:.1f} deg",
@@ -49,7 +49,7 @@ def _smaller(place: int, row: Row, digits: str) -> Check:
 
 def _bound(place: int, row: Row, algorithm: str, digits: str) -> Check:
     planned = row.of(algorithm)
-    angle = planned.degrees(digits)
+    angle = turning(planned, digits)
     most = longest(row.straight, angle)
     bound = f"at most {most:.1f} m" if most < inf else "any length"
     return Check(

@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from experiments.chen2023.angles import DIGITS, ratio, turning
 from experiments.chen2023.claims import ALPHA, FEWEST, LITERAL, ROWS
-from experiments.chen2023.published import DIGITS, ENDS, EXPANSION, TABLE_3
+from experiments.chen2023.published import ENDS, EXPANSION, TABLE_3
 from experiments.chen2023.routes import (
     ARCS,
     ARCS_3,
@@ -70,7 +71,7 @@ def _ratios(numbers: Numbers) -> Figure:
             told = [row[metric]["ratio"] if row["n"] >= FEWEST else _NOTHING for row in rows]
             _bars(ax, np.arange(ROWS) + shift, told, *look)
         for digits in METRICS[metric]:
-            ratios = [row.ratio(metric, digits) for row in TABLE_3]
+            ratios = [ratio(row, metric, digits) for row in TABLE_3]
             _printed(ax, np.arange(ROWS) + shifts[-1], ratios, digits)
         ax.axhline(1.0, color=style.GREY, linewidth=0.8, zorder=1)
         _by_place(ax, _ROWS)
@@ -132,21 +133,21 @@ def draw_values(found: Found, numbers: Numbers) -> Drawing:
 @style.styled
 def _values(found: Found) -> Figure:
     fig = style.new_figure(style.DOUBLE_MM, 90)
-    length, turning = fig.subplots(1, 2)
+    length, angle = fig.subplots(1, 2)
     drawn = (SPLINE, ARCS, ARCS_3)
     for place, method in enumerate(drawn):
         m = _measured(found, method)
         shift = 0.24 * (place - 1)
         _ranges(length, m["path_length"] / m["straight"], m["whole"], method, shift)
-        _ranges(turning, degrees(m["turning"]), m["whole"], method, shift)
+        _ranges(angle, degrees(m["turning"]), m["whole"], method, shift)
     # Beside the spline, and between the two proposed paths.
     for shift, name in ((-0.36, "bspline"), (0.12, "proposed")):
         where = np.arange(1, len(ENDS)) + shift
         over = [row.of(name).length / row.straight for row in TABLE_3]
         _printed(length, where, over, "decimals")
         for digits in DIGITS:
-            _printed(turning, where, [row.of(name).degrees(digits) for row in TABLE_3], digits)
-    for ax, words in ((length, "length / straight line"), (turning, "total turning angle (deg)")):
+            _printed(angle, where, [turning(row.of(name), digits) for row in TABLE_3], digits)
+    for ax, words in ((length, "length / straight line"), (angle, "total turning angle (deg)")):
         _by_place(ax, ["Scene 1", *_ROWS])
         ax.set(xlabel="ends (rows of Table 3)", ylabel=words)
     handles = [_handle(method) for method in drawn]

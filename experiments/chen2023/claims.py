@@ -12,7 +12,8 @@ from typing import Any
 
 from scipy.stats import binomtest
 
-from experiments.chen2023.published import DIGITS, EXPANSION, TABLE_3
+from experiments.chen2023.angles import DIGITS, ratio
+from experiments.chen2023.published import EXPANSION, TABLE_3
 from experiments.chen2023.routes import (
     ARCS,
     ARCS_3,
@@ -122,7 +123,7 @@ def claims(numbers: Numbers) -> list[Claim]:
         ),
         Claim(
             "Tables 2 and 3: by as much as printed",
-            "ratios " + listed((row.ratio("length") for row in TABLE_3), 3),
+            "ratios " + listed((ratio(row, "length") for row in TABLE_3), 3),
             partial(_as_printed, "length"),
             _against_splines(grids, ("decimals",)),
             _shortened(),
@@ -141,7 +142,7 @@ def claims(numbers: Numbers) -> list[Claim]:
             "Table 3: it turns less by as much as printed",
             "ratios "
             + "; ".join(
-                f"{listed((row.ratio('turning', d) for row in TABLE_3), 2)} as {d}" for d in DIGITS
+                f"{listed((ratio(row, 'turning', d) for row in TABLE_3), 2)} as {d}" for d in DIGITS
             ),
             partial(_as_printed, "turning"),
             _against_splines(grids, tuple(DIGITS)),
@@ -160,7 +161,7 @@ def claims(numbers: Numbers) -> list[Claim]:
         ),
         Claim(
             "Tables 2 and 3: planning takes less time than with a B-spline",
-            "ratios " + listed((row.ratio("time") for row in TABLE_3), 2),
+            "ratios " + listed((ratio(row, "time") for row in TABLE_3), 2),
             _takes_less,
             _crossed(RADII, _TIMED),
             _crossed({"shortened first, R = 15 m": SHORT_ARCS}, _TIMED),
@@ -299,7 +300,7 @@ def _direction(metric: str, numbers: Numbers, given: tuple[str, Method, Method, 
     more = [
         _side(*(row[metric]["difference"][end] for end in ("low", "high")), 0.0) for row in rows
     ]
-    printed = [row.ratio(metric, given[-1]) > 1 for row in TABLE_3]
+    printed = [ratio(row, metric, given[-1]) > 1 for row in TABLE_3]
     as_said = [None if m is None else m == p for m, p in zip(more, printed, strict=True)]
     holds = False if False in as_said else None if None in as_said else True
     return Finding(holds, _ratios(metric, rows))

@@ -16,8 +16,6 @@ SAFETY_RANGE = 6.0  # R_s, m, Table 1
 Point = tuple[float, float]
 SCENE_1: tuple[Point, Point] = ((-55.0, -284.0), (291.0, -49.0))
 ALGORITHMS = ("bspline", "proposed")
-DIGITS = {"decimals": 10_000, "minutes": 60}
-"""Ways to read the four digits after the degree sign, and what of a degree each makes one."""
 
 
 @dataclass(frozen=True)
@@ -27,17 +25,12 @@ class Planned:
     Attributes:
         time: planning time, s.
         length: path length, m.
-        angle: total turning angle as printed, "161 deg 1548'": (161, 1548), and the digits
-            after the degree sign, which are four throughout.
+        angle: total turning angle as printed, "161 deg 1548'": (161, "1548").
     """
 
     time: float
     length: float
-    angle: tuple[int, int]
-
-    def degrees(self, digits: str) -> float:
-        """The angle with its digits read as one of DIGITS."""
-        return self.angle[0] + self.angle[1] / DIGITS[digits]
+    angle: tuple[int, str]
 
 
 @dataclass(frozen=True)
@@ -58,39 +51,31 @@ class Row:
         """The values of one of ALGORITHMS."""
         return self.bspline if algorithm == "bspline" else self.proposed
 
-    def ratio(self, metric: str, digits: str = "decimals") -> float:
-        """Proposed over B-spline: of "time", "length" or "turning"."""
-        ours, theirs = self.proposed, self.bspline
-        if metric == "turning":
-            return ours.degrees(digits) / theirs.degrees(digits)
-        ratio: float = getattr(ours, metric) / getattr(theirs, metric)
-        return ratio
-
 
 TABLE_3 = (
     Row(
         (181.0, -419.0),
         (-84.0, 103.0),
-        Planned(0.90211, 701.87774, (161, 1548)),
-        Planned(0.66402, 678.60917, (87, 683)),
+        Planned(0.90211, 701.87774, (161, "1548")),
+        Planned(0.66402, 678.60917, (87, "0683")),
     ),
     Row(
         (-94.0, -27.0),
         (347.0, -451.0),
-        Planned(0.97951, 725.15104, (45, 1268)),
-        Planned(0.61845, 709.13587, (44, 1534)),
+        Planned(0.97951, 725.15104, (45, "1268")),
+        Planned(0.61845, 709.13587, (44, "1534")),
     ),
     Row(
         (400.0, 400.0),
         (-400.0, -400.0),
-        Planned(1.24851, 1634.9875, (109, 8418)),
-        Planned(0.75112, 1568.27831, (105, 7518)),
+        Planned(1.24851, 1634.9875, (109, "8418")),
+        Planned(0.75112, 1568.27831, (105, "7518")),
     ),
     Row(
         (400.0, -400.0),
         (-400.0, 400.0),
-        Planned(1.190011, 1612.83788, (141, 4894)),
-        Planned(0.74848, 1567.15489, (134, 4537)),
+        Planned(1.190011, 1612.83788, (141, "4894")),
+        Planned(0.74848, 1567.15489, (134, "4537")),
     ),
 )
 """Its first row is Table 2."""

@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from math import pi, tan
 from typing import Any
 
+from experiments.chen2023.angles import DIGITS, ratio
+from experiments.chen2023.angles import turning as angle_of
 from experiments.chen2023.claims import LITERAL
 from experiments.chen2023.published import (
     ALGORITHMS,
-    DIGITS,
     EXPANSION,
     SAFETY_RANGE,
     SPEED,
@@ -183,7 +184,7 @@ def _values(numbers: Numbers) -> Section:
         over = [own.length / row.straight for own, row in zip(printed, TABLE_3, strict=True)]
         lengths.append([words, "-", *(fixed(value, 3) for value in over)])
         turning += [
-            [f"{words}, digits as {d}", "-", *(fixed(own.degrees(d), 0) for own in printed)]
+            [f"{words}, digits as {d}", "-", *(fixed(angle_of(own, d), 0) for own in printed)]
             for d in DIGITS
         ]
     for name, own in numbers["turning"].items():
@@ -243,7 +244,7 @@ def _as(metric: str, digits: str) -> str:
 
 
 def _printed_ratios(metric: str, reading: str, digits: int) -> list[str]:
-    return [fixed(row.ratio(metric, reading), digits) for row in TABLE_3]
+    return [fixed(ratio(row, metric, reading), digits) for row in TABLE_3]
 
 
 def _timing(numbers: Numbers) -> Section:
@@ -266,7 +267,7 @@ def _timing(numbers: Numbers) -> Section:
     for name, words in (("bspline", "A* + B-spline"), ("proposed", "Proposed")):
         printed = (fixed(row.of(name).time, 0, 1000.0) for row in TABLE_3)
         rows.append([f"**{words}, published**", "-", "-", *printed])
-    ratios = (fixed(row.ratio("time"), 2) for row in TABLE_3)
+    ratios = (fixed(ratio(row, "time"), 2) for row in TABLE_3)
     rows.append(["**Proposed over B-spline, published**", "-", "-", *ratios])
     return Section(
         "Tables 2 and 3: planning time",
@@ -317,8 +318,8 @@ def _literal(numbers: Numbers) -> str:
     ]
     return (
         "**Length; turning**, proposed over B-spline of A*'s cells, rows 1 to 4 of Table 3. "
-        f"Published: {listed((row.ratio('length') for row in TABLE_3), 3)}; "
-        f"{listed((row.ratio('turning') for row in TABLE_3), 2)}. {'. '.join(words)}. With a "
+        f"Published: {listed((ratio(row, 'length') for row in TABLE_3), 3)}; "
+        f"{listed((ratio(row, 'turning') for row in TABLE_3), 2)}. {'. '.join(words)}. With a "
         "shortening by lines of sight before Algorithm 1, of which the paper says nothing: "
         f"{both(MAIN, SHORT_ARCS.name)}."
     )

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from experiments.chen2023.published import DIGITS, EXPANSION, TABLE_3
+from experiments.chen2023.angles import DIGITS
+from experiments.chen2023.angles import ratio as printed_ratio
+from experiments.chen2023.published import EXPANSION, TABLE_3
 from experiments.chen2023.routes import (
     ARCS,
     ARCS_3,
@@ -289,7 +291,7 @@ def _pair(ours: Measured, spline: Measured, pair: int) -> Row:
             "range": spread(over),
             "less": share(new < old),
             "rank_p": {
-                digits: rank_p(over, TABLE_3[pair - 1].ratio(metric, digits))
+                digits: rank_p(over, printed_ratio(TABLE_3[pair - 1], metric, digits))
                 for digits in METRICS[metric]
                 if pair > 0
             },

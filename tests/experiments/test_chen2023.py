@@ -13,7 +13,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
 
 from experiments.chen2023 import __main__ as chen2023
-from experiments.chen2023 import claims, published, routes, scenes, studies, tables
+from experiments.chen2023 import angles, claims, published, routes, scenes, studies, tables
 from experiments.chen2023.arithmetic import checks, longest
 from experiments.chen2023.mission import MISSION
 from experiments.chen2023.scenes import CLEAR, ORIGIN, Waters, draw_scenes, on_blocked, to_cells
@@ -35,10 +35,10 @@ CELL = WATERS.cell
 
 def test_angles_are_read_as_decimals_and_as_minutes():
     planned = published.TABLE_3[0].proposed
-    assert planned.degrees("decimals") == pytest.approx(87.0683)
-    assert planned.degrees("minutes") == pytest.approx(87 + 683 / 60)
-    assert published.TABLE_3[1].ratio("turning", "minutes") > 1
-    assert published.TABLE_3[1].ratio("turning", "decimals") < 1
+    assert angles.turning(planned, "decimals") == pytest.approx(87.0683)
+    assert angles.turning(planned, "minutes") == pytest.approx(87 + 683 / 60)
+    assert angles.ratio(published.TABLE_3[1], "turning", "minutes") > 1
+    assert angles.ratio(published.TABLE_3[1], "turning", "decimals") < 1
 
 
 @pytest.mark.parametrize("turning", [1.0, 44.15, 120.0, 179.0])
@@ -300,7 +300,9 @@ def judged(scenes=SCENES, expansions=None, grids=None, timing=None, **changes):
     measured["astar"] = made_up(scenes, contact=("left", "entered"), error=5.0)
     for spline in routes.SPLINES:
         plain = made_up(scenes, seed=len(spline.name))
-        ratios = {m: [1.0, *(r.ratio(m) for r in published.TABLE_3)] for m in tables.METRICS}
+        ratios = {
+            m: [1.0, *(angles.ratio(r, m) for r in published.TABLE_3)] for m in tables.METRICS
+        }
         plain["path_length"] /= ratios["length"]
         plain["turning"] /= ratios["turning"]
         measured[spline.name] = plain
