@@ -23,6 +23,7 @@ class Stream(IntEnum):
 
     ENDS = 1
     STATIONS = 2
+    HEADINGS = 3
 
 
 def uniform_fields(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:

@@ -52,6 +52,31 @@ def facing(starts: np.ndarray, goals: np.ndarray) -> np.ndarray:
     return np.concatenate([starts, bearing[:, None]], axis=-1)
 
 
+def turned(starts: np.ndarray, seed: int, jobs: np.ndarray, jitter: float) -> np.ndarray:
+    """Starts with each job's heading turned by a draw of its own, the same whatever the method.
+
+    Args:
+        starts: float64[J, 3], x, y (m) and heading (rad).
+        seed: of the study.
+        jobs: int64[J].
+        jitter: rad; turns are uniform within plus or minus this.
+
+    Returns:
+        float64[J, 3]; at a jitter of 0 the starts themselves.
+    """
+    if jitter == 0.0:
+        return starts
+    drawn = round_bits(seed, jobs, Stream.HEADINGS, 0, 1, len(jobs))
+    turns = jitter * ((np.asarray(drawn, np.float64)[:, 0] + 0.5) / 2**31 - 1.0)
+    return np.column_stack([starts[:, :2], starts[:, 2] + turns])
+
+
+def check_jitter(jitter: float, where: str) -> None:
+    """Raise BadInputError unless headings may be turned by up to this angle (rad)."""
+    if not 0.0 <= jitter <= math.pi:
+        raise BadInputError(f"{where}: 'start_jitter' must lie in [0, pi] rad, got {jitter:g}")
+
+
 def check_fixed_ends(
     start: tuple[float, float], goal: tuple[float, float], heading: float | None, where: str
 ) -> None:

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ SOURCES = [
     LatticeTable(rate_meaning="area", rate=0.1),
     DiscTable(number=30),
     DiscTable(density=0.2),
+    LatticeTable(start_jitter=0.001),
 ]
 
 
@@ -237,3 +239,42 @@ def test_a_study_between_given_ends_is_checked_before_it_runs(tmp_path):
     inside = {**study, "maps": {**maps, "start": [1055.0, -300.0]}}
     with pytest.raises(BadInputError, match=r"\[maps\]: starts: .* inside the obstacle at"):
         parse_spec(inside, folder=tmp_path)
+
+
+KINDS = {
+    "lattice": lambda jitter: LatticeTable(start_jitter=jitter),
+    "discs": lambda jitter: DiscTable(number=5, start_heading=3.0, start_jitter=jitter),
+    "drawn": lambda jitter: ChartSource(pond(), replace(POND, start_jitter=jitter)),
+    "given": lambda jitter: given(start_jitter=jitter),
+}
+
+
+@pytest.mark.parametrize("jittered", KINDS.values(), ids=KINDS)
+def test_jitter_turns_each_heading_by_a_draw_of_its_own_and_moves_nothing(jittered):
+    straight, turned = (jittered(by).draw(3, JOBS, 50.0) for by in (0.0, 0.2))
+    turns = turned.starts[:, 2] - straight.starts[:, 2]
+    assert np.abs(turns).max() <= 0.2
+    assert len(np.unique(turns)) == len(JOBS)
+    # Of 200 uniform draws; the bounds are five standard errors off.
+    assert abs(turns.mean()) < 0.04
+    assert turns.std() == pytest.approx(0.2 / math.sqrt(3), rel=0.2)
+    np.testing.assert_array_equal(turned.starts[:, :2], straight.starts[:, :2])
+    np.testing.assert_array_equal(turned.goals, straight.goals)
+    if turned.valid is not None:
+        np.testing.assert_array_equal(turned.obstacles, straight.obstacles)
+    half = jittered(0.1).draw(3, JOBS, 50.0).starts[:, 2] - straight.starts[:, 2]
+    np.testing.assert_allclose(half, turns / 2, atol=1e-12)
+    others = [jittered(by).draw(4, JOBS, 50.0).starts[:, 2] for by in (0.0, 0.2)]
+    assert (np.abs(others[1] - others[0] - turns) > 1e-9).all()
+
+
+@pytest.mark.parametrize("jittered", KINDS.values(), ids=KINDS)
+@pytest.mark.parametrize("jitter", [-0.1, 3.2, math.nan, math.inf])
+def test_a_jitter_that_is_no_angle_is_refused(jittered, jitter):
+    words = r"^s.toml: 'start_jitter' must lie in \[0, pi\] rad, got"
+    with pytest.raises(BadInputError, match=words):
+        jittered(jitter).check(50.0, "s.toml")
+
+
+def test_jitter_makes_many_episodes_of_two_given_ends():
+    assert given(start_jitter=0.1).most_jobs is None

@@ -36,7 +36,9 @@ class DwaParams:
         w_acc: most that the yaw rate gains (rad/s^2; 0 or more). Table 1.
         w_dec: most that the yaw rate loses, and brakes with, a magnitude (rad/s^2; 0 or more).
             Table 1.
-        v_step: speed between neighbouring candidates (m/s; above 0). Not printed.
+        v_step: speed between neighbouring candidates (m/s; above 0). Not printed. v_dec * dt makes
+            exactly two; where that is no whole number, a vessel has no candidate at rest, and its
+            speeds drift: 1e-5 less, and without a cap 9 % reach the goal instead of 21 %.
         w_step: yaw rate between neighbouring candidates (rad/s; above 0). Not printed.
         heading_weight: alpha, weight of heading for the goal in the score (any number). Table 1.
         clearance_weight: beta, weight of the distance to obstacles (any number). Table 1.
@@ -53,7 +55,8 @@ class DwaParams:
             and at least one step dt at full speed). Tables 2 to 4.
         goal_tolerance: distance from the goal at which it is reached (m; above 0). Not printed.
         stuck_distance: a vessel that stays within this (m; 0 or more) for stuck_time is stuck.
-            Not printed.
+            Not printed. A quarter of what the slowest command, one v_step, sails in stuck_time:
+            at that product itself rounding decides who is stuck, past it vessels that creep are.
         stuck_time: a vessel that stays within stuck_distance for this (s; above 0) is stuck. Not
             printed.
     """
@@ -77,7 +80,7 @@ class DwaParams:
     clear_distance: Scalar = 2.0
     radius: Scalar = 0.5
     goal_tolerance: Scalar = 0.5
-    stuck_distance: Scalar = 0.2
+    stuck_distance: Scalar = 0.05
     stuck_time: Scalar = 20.0
 
     @property

@@ -28,6 +28,7 @@ from usvjax.maps.discs import (
 from usvjax.maps.ends import (
     check_both_ends,
     check_fixed_ends,
+    check_jitter,
     check_joined,
     check_on_water,
     check_only_drawn,
@@ -36,6 +37,7 @@ from usvjax.maps.ends import (
     facing,
     fixed_ends,
     named_points,
+    turned,
 )
 from usvjax.maps.lattice import check_lattice, lattice_obstacles
 from usvjax.maps.tables import Opened, check_share
@@ -79,6 +81,8 @@ class LatticeTable(OnOwnMaps):
             100,000 points.
         start: x and y where episodes start, m.
         start_heading: heading at the start, rad; towards the goal when left out.
+        start_jitter: most that the heading of a start is turned to either side, rad, 0 to pi; each
+            episode's turn is drawn uniformly from its own key, the same for all methods.
         goal: x and y of the goal, m; farther from the start than `params.goal_tolerance`.
     """
 
@@ -88,6 +92,7 @@ class LatticeTable(OnOwnMaps):
     hi: int = 10
     start: tuple[float, float] = (0.0, 0.0)
     start_heading: float | None = None
+    start_jitter: float = 0.0
     goal: tuple[float, float] = (10.0, 10.0)
 
     def check(self, radius: float, where: str) -> None:
@@ -95,6 +100,7 @@ class LatticeTable(OnOwnMaps):
         check_square(self.lo, self.hi, MOST_REMOTE, where)
         check_share("rate", self.rate, where)
         check_fixed_ends(self.start, self.goal, self.start_heading, where)
+        check_jitter(self.start_jitter, where)
         check_lattice(self.rate_meaning, self.lo, self.hi, radius, where)
 
     def check_outside_goal(self, tolerance: float, where: str) -> None:
@@ -107,6 +113,7 @@ class LatticeTable(OnOwnMaps):
         given = (self.rate, self.rate_meaning, self.lo, self.hi, ends, radius)
         obstacles, valid = lattice_obstacles(seed, jobs, *given)
         starts, goals = fixed_ends(self.start, self.goal, self.start_heading, len(jobs))
+        starts = turned(starts, seed, jobs, self.start_jitter)
         return DwaScenes(obstacles, valid, starts, goals)
 
 
@@ -124,6 +131,8 @@ class DiscTable(OnOwnMaps):
         hi: upper corner of the square in x and y, m.
         start: x and y where episodes start, m.
         start_heading: heading at the start, rad; towards the goal when left out.
+        start_jitter: most that the heading of a start is turned to either side, rad, 0 to pi; each
+            episode's turn is drawn uniformly from its own key, the same for all methods.
         goal: x and y of the goal, m; farther from the start than `params.goal_tolerance`.
     """
 
@@ -133,12 +142,14 @@ class DiscTable(OnOwnMaps):
     hi: float = 10.0
     start: tuple[float, float] = (0.0, 0.0)
     start_heading: float | None = None
+    start_jitter: float = 0.0
     goal: tuple[float, float] = (10.0, 10.0)
 
     def check(self, radius: float, where: str) -> None:
         """Raise BadInputError when a value cannot be used with this vessel radius (m)."""
         check_square(self.lo, self.hi, MOST_REMOTE, where)
         check_fixed_ends(self.start, self.goal, self.start_heading, where)
+        check_jitter(self.start_jitter, where)
         if (self.number is None) == (self.density is None):
             raise BadInputError(f"{where}: give either 'number' or 'density'")
         if self.density is not None:
@@ -155,6 +166,7 @@ class DiscTable(OnOwnMaps):
         ends, number = (self.start, self.goal), self._count(radius)
         obstacles, valid = uniform_discs(seed, jobs, number, self.lo, self.hi, ends, radius)
         starts, goals = fixed_ends(self.start, self.goal, self.start_heading, len(jobs))
+        starts = turned(starts, seed, jobs, self.start_jitter)
         return DwaScenes(obstacles, valid, starts, goals)
 
     def _count(self, radius: float) -> int:
@@ -170,7 +182,8 @@ class ChartTable:
     A start drawn is uniform over the navigable cells, the bow towards the goal; its goal has a
     uniform bearing and a uniform distance from it and is then moved to the centre of its cell.
     Pairs that are ashore, in another body of water or out of the range of distances are drawn
-    again. Where both are given, all episodes would be the same: there is one.
+    again. Where both are given, all episodes would be the same: there is one, unless
+    `start_jitter` tells them apart.
 
     Attributes:
         map: a packaged map's name (`usvjax maps list`), or a map file.
@@ -183,8 +196,10 @@ class ChartTable:
             out.
         start: x and y where the episode starts, in the map's metres, such as [62000.0, 38000.0]
             on Hongze Lake; on water, outside every circle of `params.radius` about the shore;
-            with `goal`, for 1 episode.
+            with `goal`, for 1 episode where `start_jitter` is 0.
         start_heading: heading at the start given, rad; towards the goal when left out.
+        start_jitter: most that the heading of a start is turned to either side, rad, 0 to pi; each
+            episode's turn is drawn uniformly from its own key, the same for all methods.
         goal: x and y of the goal, in the map's metres, on the same body of water; farther from
             the start than `params.goal_tolerance`.
     """
@@ -196,6 +211,7 @@ class ChartTable:
     distance: tuple[float, float] | None = None
     start: tuple[float, float] | None = None
     start_heading: float | None = None
+    start_jitter: float = 0.0
     goal: tuple[float, float] | None = None
 
 
@@ -224,8 +240,8 @@ class ChartSource(OnChart):
 
     @property
     def most_jobs(self) -> int | None:
-        """One where start and goal are given; any number can be drawn."""
-        return 1 if self.ends else None
+        """One where start and goal are given and no heading is turned; otherwise any number."""
+        return 1 if self.ends and self.table.start_jitter == 0.0 else None
 
     @cached_property
     def bodies(self) -> np.ndarray:
@@ -247,6 +263,7 @@ class ChartSource(OnChart):
                 f"{self.cell_size:g} m; the radius must be at least {covers:g} m"
             )
         check_both_ends(self.table.start, self.table.goal, where)
+        check_jitter(self.table.start_jitter, where)
         if self.ends:
             self._check_given(*self.ends, where)
         else:
@@ -306,13 +323,18 @@ class ChartSource(OnChart):
         Raises:
             BadInputError: no start and goal could be found for a job.
         """
+        starts, goals = self._ends(seed, jobs)
+        starts = turned(starts, seed, jobs, self.table.start_jitter)
+        return DwaScenes(self.chart, None, starts, goals)
+
+    def _ends(self, seed: int, jobs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Starts float64[J, 3], the bow towards the goal or as given, and goals float64[J, 2]."""
         if self.ends:
-            starts, goals = fixed_ends(*self.ends, self.table.start_heading, len(jobs))
-            return DwaScenes(self.chart, None, starts, goals)
+            return fixed_ends(*self.ends, self.table.start_heading, len(jobs))
         words = repr(self.table.map), f"water {self.table.shore_distance:g} m from the shore"
         where = (self.chart, self.bodies, self.cells, self.distance)
         starts, goals = draw_pairs(seed, jobs, *where, *words)
-        return DwaScenes(self.chart, None, facing(starts, goals), goals)
+        return facing(starts, goals), goals
 
 
 Source = LatticeTable | DiscTable | ChartSource
