@@ -8,11 +8,11 @@ a study is cut into shards that run anywhere, in any order, and are resumed at a
 a method returns or is given crosses to other processes, so it must pickle.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 
@@ -298,6 +298,48 @@ class Mission(Protocol):
     def film(self, replayed: Replayed, row: int) -> Any:
         """One of the episodes as `usvjax.plots.film.Film`."""
         ...
+
+
+@dataclass(frozen=True)
+class Kin:
+    """Which cases can share a call.
+
+    Attributes:
+        key: cases with equal keys can.
+        most: episodes in a call, beyond which it is no faster or takes too much memory.
+    """
+
+    key: Hashable
+    most: int
+
+
+class Joining(Mission, Protocol):
+    """A mission that runs the scenes of several conditions in one call, as many lanes want.
+
+    A row must be the same bits joined as alone. A class that derives from a joining one and brings
+    a `pose` or a `run` of its own joins no more, unless it brings a `join` as well.
+    """
+
+    def kin(self, case: Case) -> Kin | None:
+        """Which others the case can share a call with; None if it cannot be joined."""
+        ...
+
+    def join(self, scenes: Sequence[Any], cases: Sequence[Case]) -> Any:
+        """One scene of several, whose rows follow each other in their order.
+
+        Args:
+            scenes: what `pose` returned, of `cases`; their episodes together are at most `most`.
+            cases: all of the study that are of this kin, for one program to do for all calls.
+        """
+        ...
+
+
+def joining(mission: Mission) -> Joining | None:
+    """The mission, if it joins scenes."""
+    for kind in type(mission).__mro__:
+        if {"pose", "run", "join"} & vars(kind).keys():
+            return cast(Joining, mission) if "join" in vars(kind) else None
+    return None
 
 
 _NAMES = [name for name in (*Mission.__annotations__, *vars(Mission)) if not name.startswith("_")]

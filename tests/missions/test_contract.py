@@ -22,8 +22,8 @@ from usvjax.study import load_run, parse_spec, run_study
 from usvjax.study.code import sources
 from usvjax.study.export import tracks_table
 from usvjax.study.replay import Replay
-from usvjax.study.runner import run_unit
 from usvjax.study.store import Unit
+from usvjax.study.units import run_unit
 
 DRIFT = Path(__file__).parents[2] / "docs" / "examples"
 
@@ -125,7 +125,7 @@ def test_another_process_runs_a_unit_that_it_was_sent(kind, tmp_path):
     command = (
         "import pickle, sys\n"
         "spec, unit = pickle.load(open(sys.argv[1], 'rb'))\n"
-        "from usvjax.study.runner import run_unit\n"
+        "from usvjax.study.units import run_unit\n"
         "run_unit(spec, unit).write_parquet(sys.argv[1] + '.parquet')\n"
     )
     path = [*map(str, (Path(__file__).parents[1] / "oracles",)), *filter(None, sys.path)]

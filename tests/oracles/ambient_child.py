@@ -11,8 +11,8 @@ from pathlib import Path
 from public_calls import calls, digest
 
 from usvjax.study import parse_spec
-from usvjax.study.runner import run_unit
 from usvjax.study.store import Unit
+from usvjax.study.units import run_unit
 
 FEW = (
     "astar_swept",

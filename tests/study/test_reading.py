@@ -15,8 +15,8 @@ from usvjax.errors import BadInputError
 from usvjax.study import load_run, run_study
 from usvjax.study.folder import digest
 from usvjax.study.manifest import hash_of
-from usvjax.study.runner import run_unit
 from usvjax.study.shards import Unit, encode_shard
+from usvjax.study.units import run_unit
 
 FLIPS = 500 * int(os.environ.get("USVJAX_FUZZ") or "0") or 40
 

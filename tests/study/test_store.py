@@ -13,9 +13,9 @@ from usvjax.errors import BadInputError
 from usvjax.study import folder, load_run, parse_spec, run_study, store
 from usvjax.study.held import NOTHING
 from usvjax.study.manifest import manifest_of
-from usvjax.study.runner import run_unit
 from usvjax.study.shards import Unit
 from usvjax.study.store import RunDirectory
+from usvjax.study.units import run_unit
 
 
 def opened(path):

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from usvjax.study.runner import run_unit
 from usvjax.study.shards import Unit, encode_shard
 from usvjax.study.spec import StudySpec
+from usvjax.study.units import run_unit
 
 FIRST = 16  # episodes tried of a condition, to begin with
 MOST_TRIED = 4  # conditions

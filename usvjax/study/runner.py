@@ -1,30 +1,31 @@
 """Running a study: shards to devices, shards to disk, looks, and a clean stop.
 
-Each JAX device has a thread that takes the next unit (condition, shard) when it is free.
-Results depend only on the unit, so neither the number of devices nor the order matters, and
-only shard-sized arrays are alive at a time, so memory does not grow with the episodes.
+Each JAX device has a thread that takes the next units (condition, shard) when it is free, one or
+some that share a call (see `calls`). Results depend only on the unit, so neither the number of
+devices nor the order matters, and only the arrays of a call are alive at a time, so memory does not
+grow with the episodes.
 """
 
 import queue
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import jax
-import numpy as np
 import polars as pl
 
-from usvjax.ambient import pinned
 from usvjax.checks import shown
 from usvjax.devices import local_devices
 from usvjax.errors import BadInputError
+from usvjax.study.calls import Calls, Kindred
 from usvjax.study.looks import look_level, look_schedule, narrow_enough
-from usvjax.study.shards import KEY_COLUMNS, Unit
+from usvjax.study.shards import Unit
 from usvjax.study.spec import StudySpec
 from usvjax.study.store import RunDirectory
 from usvjax.study.timings import Timings
+from usvjax.study.units import run_units
 
 
 class Listener(Protocol):
@@ -167,7 +168,7 @@ def _successes(spec: StudySpec, run: RunDirectory, condition: int, episodes: int
 
 
 class _Crew:
-    """One thread per device, working through a queue of units."""
+    """One thread per device, working through the units that are missing."""
 
     def __init__(
         self,
@@ -181,6 +182,8 @@ class _Crew:
         self.devices = devices
         self.listener = listener
         self.timings = Timings(run, devices)
+        self.kindred = Kindred(spec)
+        self.calls = Calls(spec, self.kindred, len(devices))
         self.abandoned = threading.Event()
         self.total = spec.layout.all_rows
         self.done = self._on_disk()
@@ -188,19 +191,17 @@ class _Crew:
 
     def run(self, units: Iterable[Unit]) -> None:
         """Run those units that are not on disk."""
-        missing: queue.SimpleQueue[Unit] = queue.SimpleQueue()
         done = self.directory.done
-        for unit in units:
-            if unit not in done:
-                missing.put(unit)
-        if missing.empty():
+        missing = [unit for unit in units if unit not in done]
+        if not missing:
             return
+        self.calls.put(missing)
         self.directory.check_writable()
         finished: queue.SimpleQueue[tuple[Unit, float] | BaseException | None]
         finished = queue.SimpleQueue()
         stop = threading.Event()
         threads = [
-            threading.Thread(target=self._work, args=(i, missing, finished, stop), daemon=True)
+            threading.Thread(target=self._work, args=(i, finished, stop), daemon=True)
             for i in range(len(self.devices))
         ]
         for thread in threads:
@@ -248,99 +249,38 @@ class _Crew:
     def _work(
         self,
         number: int,
-        missing: "queue.SimpleQueue[Unit]",
         finished: "queue.SimpleQueue[tuple[Unit, float] | BaseException | None]",
         stop: threading.Event,
     ) -> None:
         """Run units on one device until none is left; a thread's whole life."""
         try:
             with jax.default_device(self.devices[number]):
-                while not stop.is_set():
-                    unit = missing.get_nowait()
-                    began = time.perf_counter()
-                    table = run_unit(self.spec, unit, first_method=number)
-                    if self.abandoned.is_set():
-                        break  # nobody waits, and the run may be another process's by now
-                    self.directory.write_shard(unit, table)
-                    finished.put((unit, time.perf_counter() - began))
-        except queue.Empty:
-            pass
+                while not stop.is_set() and (units := self.calls.take()):
+                    self._call(number, units, finished)
         except BaseException as error:
             finished.put(error)
         finally:
             finished.put(None)
 
+    def _call(
+        self,
+        number: int,
+        units: list[Unit],
+        finished: "queue.SimpleQueue[tuple[Unit, float] | BaseException | None]",
+    ) -> None:
+        """Run units in one call, and write each as a shard of its own."""
+        began = time.perf_counter()
+        tables = run_units(self.spec, units, self.kindred, first_method=number)
+        seconds = time.perf_counter() - began
+        self.calls.took(units, seconds)
+        rows = sum(map(self.spec.layout.rows, units))
+        for unit, table in zip(units, tables, strict=True):
+            if self.abandoned.is_set():
+                return  # nobody waits, and the run may be another process's by now
+            began = time.perf_counter()
+            self.directory.write_shard(unit, table)
+            share = seconds * self.spec.layout.rows(unit) / rows
+            finished.put((unit, share + time.perf_counter() - began))
+
     def _on_disk(self) -> int:
         return sum(map(self.spec.layout.rows, self.directory.done))
-
-
-@pinned()
-def run_unit(spec: StudySpec, unit: Unit, first_method: int = 0) -> pl.DataFrame:
-    """Run one unit and check what came back.
-
-    Args:
-        spec: the study.
-        unit: which jobs of which condition.
-        first_method: which method to begin with, counted round. Devices that begin with
-            different methods prepare different programs side by side.
-
-    Returns:
-        One row per job and method, jobs ascending, methods in the order of the study.
-
-    Raises:
-        RuntimeError: an episode has no ending, or a successful one has a NaN; names the job.
-    """
-    condition = spec.conditions[unit.condition]
-    jobs = spec.layout.jobs(unit)
-    scene = spec.mission.pose(condition.case, spec.seed, jobs)  # once, for all methods
-    tables = []
-    count = len(spec.methods)
-    for rank in ((first_method + i) % count for i in range(count)):
-        method = spec.methods[rank]
-        place = f"condition {condition.index} ({condition.label}), method {method}"
-        columns = _checked(spec, spec.mission.run(scene, method).columns, jobs, place)
-        metrics = {
-            metric.name: pl.Series(
-                columns[metric.name], dtype=pl.Int32 if metric.integer else pl.Float32
-            )
-            for metric in spec.mission.metrics
-        }
-        keys = {
-            "condition": np.full(len(jobs), condition.index),
-            "job": jobs,
-            "method": [method] * len(jobs),
-            "status": columns["status"],
-        }
-        table = pl.DataFrame(keys, schema_overrides=KEY_COLUMNS).with_columns(**metrics)
-        tables.append(table.with_columns(rank=pl.lit(rank)))
-    return pl.concat(tables).sort("job", "rank").drop("rank")
-
-
-def _checked(
-    spec: StudySpec, found: Mapping[str, np.ndarray], jobs: np.ndarray, place: str
-) -> dict[str, np.ndarray]:
-    """The columns as arrays of numpy.
-
-    Raises:
-        RuntimeError: a mission broke its contract; a defect, not a user's mistake.
-    """
-    wanted = ["status", *(metric.name for metric in spec.mission.metrics)]
-    missing = [name for name in wanted if name not in found]
-    if missing:
-        raise RuntimeError(f"{place}: the mission returned no column {missing[0]!r}")
-    columns = {name: np.asarray(found[name]) for name in wanted}
-    for name, column in columns.items():
-        if column.shape != jobs.shape:
-            raise RuntimeError(
-                f"{place}: the column {name!r} has shape {column.shape}; wanted {jobs.shape}"
-            )
-    status = columns["status"]
-    unfinished = ~np.isin(status, [int(s) for s in spec.mission.endings])
-    if unfinished.any():
-        job = jobs[unfinished.argmax()]
-        raise RuntimeError(f"job {job} of {place} has no ending: {status[unfinished.argmax()]}")
-    for metric in spec.mission.metrics:
-        bad = np.isnan(columns[metric.name]) & (status == int(spec.mission.endings[0]))
-        if bad.any():
-            raise RuntimeError(f"job {jobs[bad.argmax()]} of {place}: {metric.name} is NaN")
-    return columns

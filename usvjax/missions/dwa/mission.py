@@ -4,7 +4,7 @@
 `[static]` holds `DwaStatic`. The study's `methods` take the place of `static.method`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from types import MappingProxyType
 from typing import Any
@@ -18,6 +18,7 @@ from usvjax.mission import (
     Case,
     Files,
     Ground,
+    Kin,
     Metric,
     Outcome,
     Recording,
@@ -25,10 +26,9 @@ from usvjax.mission import (
     Replayed,
     Track,
 )
-from usvjax.missions.dwa.inputs import pack_episodes
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa, fit_window
-from usvjax.missions.dwa.posed import DwaCase, DwaPosed
-from usvjax.missions.dwa.run import NavigateResult, navigate_dwa
+from usvjax.missions.dwa.posed import DwaCase, DwaPosed, joined, kin_of, pack_scenes
+from usvjax.missions.dwa.run import NavigateResult, sail
 from usvjax.missions.dwa.scenes import ChartTable, DiscTable, LatticeTable, Source, opened
 from usvjax.presets import preset, preset_names
 from usvjax.sections import Table
@@ -86,13 +86,13 @@ class DwaMission:
         source.check(float(params.radius), place)
         source.check_outside_goal(float(params.goal_tolerance), place)
         with saying_where(place):
-            _try_scenes(source, params, static)
+            rows = _try_scenes(source, params, static)
         in_force = {
             "maps": maps,
             "params": asdict(params),
             "static": {k: v for k, v in asdict(static).items() if k != "method"},
         }
-        return Case(in_force, inputs, DwaCase(source, params, static), source.most_jobs)
+        return Case(in_force, inputs, DwaCase(source, params, static, rows), source.most_jobs)
 
     def pose(self, case: Case, seed: int, jobs: np.ndarray) -> DwaPosed:
         """Draw maps, starts and goals; see `Mission.pose`."""
@@ -102,18 +102,21 @@ class DwaMission:
 
     def run(self, scene: DwaPosed, method: str, record: bool = False) -> Outcome:
         """Run episodes; see `Mission.run`."""
-        result = navigate_dwa(
-            scene.scenes.obstacles,
-            scene.scenes.starts,
-            scene.scenes.goals,
-            valid=scene.scenes.valid,
-            params=scene.params,
-            static=replace(scene.static, method=method),
-            record=record,
-        )
+        static = replace(scene.static, method=method)
+        packed = pack_scenes(scene.scenes, scene.params, static)
+        result = sail(packed, scene.params, static, record, room=scene.room)
         columns = {metric.name: getattr(result, metric.name) for metric in self.metrics}
         recording = _recorded(scene, result) if record else None
         return Outcome({"status": result.status, **columns}, recording)
+
+    def kin(self, case: Case) -> Kin:
+        """Cases that differ in numbers only; see `usvjax.mission.Joining`."""
+        given: DwaCase = case.given
+        return kin_of(given)
+
+    def join(self, scenes: Sequence[DwaPosed], cases: Sequence[Case]) -> DwaPosed:
+        """Scenes with one value per episode of each parameter that differs; see `kin`."""
+        return joined(scenes, [case.given for case in cases])
 
     def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
         """The episode to show; see `Mission.example`."""
@@ -151,10 +154,11 @@ def _recorded(scene: DwaPosed, result: NavigateResult) -> Recording:
     return Recording(tuple(grounds), tuple(tracks), result)
 
 
-def _try_scenes(source: Source, params: DwaParams, static: DwaStatic) -> None:
-    """Refuse what `navigate_dwa` would, before a run directory exists."""
+def _try_scenes(source: Source, params: DwaParams, static: DwaStatic) -> int:
+    """Refuse what `navigate_dwa` would, before a run directory exists; obstacle rows of a map."""
     some = source.draw(0, np.arange(2), float(params.radius))
-    pack_episodes(some.obstacles, some.starts, some.goals, some.valid, params, static, None)
+    pack_scenes(some, params, static)
+    return some.rows
 
 
 def _read_method(

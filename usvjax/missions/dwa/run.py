@@ -109,20 +109,29 @@ def navigate_dwa(
     static = DwaStatic() if static is None else static
     max_lanes = whole_number("max_lanes", max_lanes, LEAST_LANES)
     packed = pack_episodes(obstacles, starts, goals, valid, params, static, sensing_range)
-    return _sail(packed, params, static, record, max_lanes)
+    return sail(packed, params, static, record, max_lanes)
 
 
-def _sail(
+def sail(
     packed: PackedEpisodes,
     params: DwaParams,
     static: DwaStatic,
-    record: bool,
-    max_lanes: int,
+    record: bool = False,
+    max_lanes: int = MOST_LANES,
+    room: int = LEAST_LANES,
 ) -> NavigateResult:
+    """Sail episodes that were checked.
+
+    Args:
+        packed, params, static: what `pack_episodes` was given, and made of it.
+        record, max_lanes: as of `navigate_dwa`.
+        room: episodes that the program has room for, at least: calls of any fewer are of one
+            program.
+    """
     devices = chosen_devices()
     most = MOST_LANES if record else MOST_ROWS
     blocks = deal_longest_first(packed.expected_steps(params), most, len(devices))
-    capacity = bucket(max(LEAST_LANES, len(blocks[0])))
+    capacity = bucket(max(room, len(blocks[0])))
     width = min(max_lanes, max(LEAST_LANES, capacity // JOBS_PER_LANE))
 
     check_memory(

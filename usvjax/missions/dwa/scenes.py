@@ -63,6 +63,11 @@ class DwaScenes:
     starts: np.ndarray
     goals: np.ndarray
 
+    @property
+    def rows(self) -> int:
+        """Obstacles of an episode, padding included; 0 on a map."""
+        return 0 if isinstance(self.obstacles, GridMap) else self.obstacles.shape[1]
+
 
 @dataclass(frozen=True)
 class LatticeTable(OnOwnMaps):
