@@ -11,26 +11,27 @@ from experiments.tan2022.measures import COUNTED, HYBRID
 from experiments.tan2022.published import METHODS, METRICS, TABLE4, TABLE4_MAPS
 from usvjax.report.numbers import fixed, listed, p_value
 
+_ERROR = f"{100 * ALPHA:.0f} %"
 _TABLE_TEST = (
     "the printed values against tables drawn from our own maps on which both methods succeed, all "
     "values together, by the one farthest off in standard deviations of what {} vary; a true table "
-    f"is excluded with probability {ALPHA:.0%}, and the verdict says so only if every reading "
+    f"is excluded with probability {_ERROR}, and the verdict says so only if every reading "
     f"excludes it. Undecided with fewer than {LEAST_MAPS} such maps."
 )
 _BETTER_TEST = (
     "yes where the improved method is shown to be better at every radius, no where it is shown to "
     "be worse at one (t-test of the differences map by map, on maps where both succeed); "
-    f"a true claim fails with probability {ALPHA:.0%} at most, by Holm over all comparisons."
+    f"a true claim fails with probability {_ERROR} at most, by Holm over all comparisons."
 )
 _RATE_TEST = (
     "yes where the rate is shown to be better at every radius, no where it is shown to be worse at "
-    f"one (McNemar on all maps); a true claim fails with probability {ALPHA:.0%} at most, by Holm "
+    f"one (McNemar on all maps); a true claim fails with probability {_ERROR} at most, by Holm "
     "over all comparisons. That these rates are what is meant is our reading."
 )
 _GROWTH_TEST = (
     "yes where the mean share by which the path is shortened is shown to grow at both steps from "
     "radius to radius, no where it is shown to fall at one (z-tests, maps paired); a true claim "
-    f"fails with probability {ALPHA:.0%} at most."
+    f"fails with probability {_ERROR} at most."
 )
 _Z = 1.96
 """Two steps, each of which may fail on one side only: 2 x 2.5 % is at most `ALPHA`."""
@@ -162,10 +163,10 @@ def _rate(name: str, ending: str, gain: int, numbers: Numbers, label: str) -> Fi
 def _shown(gain: float, p: float | None) -> str:
     """What a test shows of one radius."""
     if p is None or p >= ALPHA:
-        return "-"
+        return "not shown"
     return "better" if gain > 0 else "worse"
 
 
 def _at_every_radius(words: Sequence[str], told: str) -> Finding:
     holds = False if "worse" in words else True if set(words) == {"better"} else None
-    return Finding(holds, f"{', '.join(words)}: {told}")
+    return Finding(holds, f"{told} ({', '.join(words)})")

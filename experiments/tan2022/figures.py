@@ -7,6 +7,7 @@ import numpy as np
 import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 import usvjax.missions.dwa.looks  # noqa: F401
 from experiments.claims import Numbers
@@ -103,13 +104,16 @@ def _distributions(label: str, pairs: Pairs) -> Iterator[Drawing]:
     yield Drawing(
         f"distributions_{_slug(label)}",
         f'Time and path length under "{label}" on the maps where both methods succeed.',
-        plots.plot_distributions(table, labels=labels, metrics=METRICS_DRAWN, title=label),
+        plots.plot_distributions(
+            table, labels=labels, metrics=METRICS_DRAWN, title=label, mark="mean"
+        ),
     )
 
 
 def _endings(compared: Mapping[str, Pairs]) -> Figure:
     """The rates of every ending, reading by reading."""
-    names = [f"{label}\nr = {case.radius:g} m" for label in compared for case in CASES]
+    short = [label.replace(" the trajectory", "") for label in compared]
+    names = [f"{label}\nr = {case.radius:g} m" for label in short for case in CASES]
     table = _table([pairs[case] for pairs in compared.values() for case in CASES])
     return plots.plot_success(table, labels=dict(enumerate(names)), title="Paired maps")
 
@@ -158,15 +162,21 @@ def cap_figure(rows: Sequence[Mapping[str, Any]], caps: Mapping[str, str]) -> Fi
     axes[0, 0].set_ylabel("time ratio,\nimproved / traditional")
     axes[1, 0].set_ylabel("success (%)")
     looks = style.method_looks(METHODS)
-    handles = [style.method_handle(looks[method], f"{method}, success") for method in METHODS]
-    handles.append(
-        style.method_handle(style.Look(style.BLACK, "-", "D"), "time ratio, both succeed")
-    )
+    handles = [
+        _mark(looks[method].colour, looks[method].marker, f"{method}, success")
+        for method in METHODS
+    ]
+    handles.append(_mark(style.BLACK, "D", "time ratio, both succeed"))
     handles.append(
         style.method_handle(style.Look(style.VERMILLION, "--", ""), "published (Table 4)")
     )
     style.outside_legend(fig, handles, columns=2)
     return style.settle(fig)
+
+
+def _mark(colour: str, marker: str, label: str) -> Line2D:
+    """A legend's handle of what is drawn as marks without lines."""
+    return Line2D([], [], color=colour, marker=marker, linestyle="", markersize=4, label=label)
 
 
 def _draw_ratio(ax: Axes, rows: Sequence[Mapping[str, Any]], place: int) -> None:

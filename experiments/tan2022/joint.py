@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 ALPHA = 0.05
-LEAST_MAPS = 60
+LEAST_MAPS = 40
 """Of the maps that tables are drawn from: with fewer, the error would not be `ALPHA`."""
 MOST_MAPS = 1000
 """That are made use of; more tell nothing more."""

@@ -110,7 +110,7 @@ def _numbers(
 def _beside(base: Reading) -> list[Reading]:
     """What is not printed either and may decide a verdict, about a reading of the cap."""
     return [
-        base.but("dist along the trajectory", "dist taken", changes=ALONG),
+        base.but("along the trajectory", "dist taken", changes=ALONG),
         *_numbers(base, "given up", "stuck within {:g} m", "params.stuck_distance", (0.5,)),
         *_numbers(base, "start heading", "turned up to {:g} rad", "maps.start_jitter", (0.001,)),
     ]
@@ -181,6 +181,10 @@ def _about(base: Reading) -> list[Reading]:
         ),
         *_numbers(base, "given up", "stuck within {:g} m", "params.stuck_distance", (0.1, 0.2)),
         base.but("nobody given up", "given up", changes={"params.stuck_time": NEVER}),
+        *(
+            base.but(f"until {seconds} s", "given up", changes={"static.max_steps": 10 * seconds})
+            for seconds in (80, 300)
+        ),
         *_numbers(base, "start heading", "turned up to {:g} rad", "maps.start_jitter", (0.01, 0.1)),
         *(
             base.but(f"period {dt:g} s", "control period", changes=_period(dt))

@@ -43,7 +43,7 @@ def sections(numbers: Numbers) -> list[Section]:
 
 _AT = f"r = {', '.join(f'{r:g}' for r in RADII)} m"
 _OVERVIEW = (
-    f"Improved against traditional at {_AT}. Changes are means over the maps where both methods "
+    f"At {_AT}. Changes are means over the maps where both methods "
     "succeed of the change per map (in brackets: change of the means)."
 )
 

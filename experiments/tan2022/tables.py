@@ -57,12 +57,14 @@ def _at_all_radii(pairs: Pairs) -> np.ndarray:
 def three_maps(pairs: Pairs) -> list[Shown]:
     """Choose the maps of Table 3 and Figs. 5 to 7: for each radius the first that suits.
 
-    Radii with the same rate draw the same maps, so a map that is shown already is passed over.
+    Radii with the same rate draw the same maps, so a map that is shown already, be it in Table 2,
+    is passed over.
     """
+    before = {other.job for other in one_map(pairs)}
     shown: list[Shown] = []
     for i, case in enumerate(CASES):
         suits = both_reached(pairs[case])
-        suits[[other.job for other in shown]] = False
+        suits[[*before, *(other.job for other in shown)]] = False
         if suits.any():
             shown.append(Shown(5 + i, case, int(suits.argmax())))
     return shown
