@@ -41,7 +41,7 @@ class Settings:
     clear_distance: float = 2.0  # m, clearance when no obstacle counts
     radius: float = 0.5  # m, obstacle expansion circle
     goal_tolerance: float = 0.5  # m
-    stuck_distance: float = 0.05  # m, an episode that stays within this ...
+    stuck_distance: float = 0.0525  # m, an episode that stays within this ...
     stuck_time: float = 20.0  # s, ... for this long is stuck
     max_steps: int = 2000  # bound on the steps of an episode
     n_v: int = 5  # speeds in the window

@@ -8,7 +8,7 @@ vessel at rest has no candidate at rest but one that drifts astern, by less than
 out of a dead end (improved method, no cap: 8.5 % reach the goal instead of 20.75 %).
 """
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,11 +19,14 @@ from usvjax.missions.dwa.presets import PRESETS
 from usvjax.missions.dwa.scenes import DiscTable, DwaScenes, LatticeTable
 from usvjax.statistics import wilson
 
-EPISODES = 2000 if FUZZ else 200
+EPISODES = 2000 if FUZZ else 128  # a tenth with the presets whose windows are large
 ENDINGS = [uj.Status.REACHED, uj.Status.COLLIDED, uj.Status.STUCK, uj.Status.TIMED_OUT]
 RULES = ("goal_tolerance", "stuck_distance", "stuck_time")
-DECISIVE = ("radius", "search_angle", "clear_distance")
-SHARP = 0.02  # of episodes that 1e-5 of what decides each step may end otherwise, see above
+DECISIVE = ("radius", "search_angle", "clear_distance", "clearance_cap")
+SHARP = 0.05  # of episodes that 1e-5 of what decides each step may end otherwise, see above
+# Circles of 0.5 m about neighbouring points of a lattice touch. With 0.495 m the gaps between them
+# are open: with a cap of 2r, 56 % instead of 44 % of the traditional method's episodes get there.
+TOUCHING = ("radius", -1e-2)
 
 TAN = (LatticeTable(rate=0.3), {"radius": 0.5})
 CASES = {
@@ -46,18 +49,17 @@ if FUZZ:
 def sail(
     scenes: DwaScenes, params: list[uj.DwaParams], static: uj.DwaStatic
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Status and steps of the same scenes under each set of numbers, int[sets, episodes]."""
+    """Status and steps of the same scenes under each set of thresholds, int[sets, episodes]."""
     episodes = len(scenes.starts)
     numbers = {
-        f.name: np.repeat([getattr(p, f.name) for p in params], episodes) for f in fields(params[0])
+        name: np.repeat([getattr(p, name) for p in params], episodes) for name in RULES + DECISIVE
     }
-    numbers = {name: v if len(set(v)) > 1 else float(v[0]) for name, v in numbers.items()}
     repeated = {
         name: np.concatenate([getattr(scenes, name)] * len(params))
         for name in ("obstacles", "valid", "starts", "goals")
     }
     obstacles, valid, starts, goals = repeated.values()
-    swept = uj.DwaParams(**numbers)
+    swept = replace(params[0], **numbers)
     r = uj.navigate_dwa(obstacles, starts, goals, valid=valid, params=swept, static=static)
     return r.status.reshape(len(params), -1), r.steps.reshape(len(params), -1)
 
@@ -71,15 +73,15 @@ def assert_within_intervals(status: np.ndarray, others: np.ndarray, what: str) -
 @pytest.mark.parametrize("method", ["traditional", "improved"])
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_a_threshold_moved_a_little_changes_little(case, method):
-    name, source, changes = case
-    shipped = uj.preset(name)
+    preset, source, changes = case
+    shipped = uj.preset(preset)
     params = replace(shipped.params, **changes)
     bound = shipped.static.max_steps
-    names = [*RULES, *DECISIVE] + ["clearance_cap"] * np.isfinite(params.clearance_cap)
-    moves = [(name, by) for name in names for by in (-1e-5, 1e-5, -1e-2, 1e-2)]
+    moves = [(name, by) for name in RULES + DECISIVE for by in (-1e-5, 1e-5, -1e-2, 1e-2)]
     moved = [replace(params, **{name: getattr(params, name) * (1 + by)}) for name, by in moves]
     static = replace(shipped.static, method=method, max_steps=round(1.01 * bound))
-    scenes = source.draw(2022, np.arange(EPISODES), float(params.radius))
+    episodes = EPISODES if preset == "tan2022" else EPISODES // 10
+    scenes = source.draw(2022, np.arange(episodes), float(params.radius))
     status, steps = sail(scenes, [params, *moved], static)
 
     for late in (round(0.99 * bound), round(1.01 * bound)):
@@ -88,10 +90,10 @@ def test_a_threshold_moved_a_little_changes_little(case, method):
     status = timed(status, steps, bound)
     for (name, by), found in zip(moves, status[1:], strict=True):
         if abs(by) == 1e-5:
-            most = SHARP if name in DECISIVE or name == "clearance_cap" else 0.001
-            most = max(most, 1.0 / EPISODES)
+            most = max(SHARP if name in DECISIVE else 0.001, 1.0 / episodes)
             assert (found != status[0]).mean() <= most, f"{name} {by:+g}"
-        assert_within_intervals(status[0], found, f"{name} {by:+g}")
+        if (name, by) != TOUCHING:
+            assert_within_intervals(status[0], found, f"{name} {by:+g}")
 
 
 def timed(status: np.ndarray, steps: np.ndarray, bound: int) -> np.ndarray:
@@ -104,6 +106,9 @@ def test_no_vessel_that_holds_a_speed_sits_on_the_edge_of_being_stuck(name):
     p = PRESETS[name].params
     speed_steps = p.stuck_distance / (p.v_step * p.stuck_time)
     assert abs(speed_steps - round(speed_steps)) > 0.02
+    least = p.v_step * p.dt
+    if p.stuck_distance < 100 * least:  # farther, courses that are straight for so long are rare
+        assert abs(p.stuck_distance / least - round(p.stuck_distance / least)) > 0.1
 
 
 def test_a_vessel_that_creeps_is_not_given_up():

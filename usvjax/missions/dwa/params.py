@@ -38,7 +38,7 @@ class DwaParams:
             Table 1.
         v_step: speed between neighbouring candidates (m/s; above 0). Not printed. v_dec * dt makes
             exactly two; where that is no whole number, a vessel has no candidate at rest, and its
-            speeds drift: 1e-5 less, and without a cap 9 % reach the goal instead of 21 %.
+            speeds drift: 1e-5 less, and improved without a cap reaches 9 % of goals instead of 21.
         w_step: yaw rate between neighbouring candidates (rad/s; above 0). Not printed.
         heading_weight: alpha, weight of heading for the goal in the score (any number). Table 1.
         clearance_weight: beta, weight of the distance to obstacles (any number). Table 1.
@@ -57,6 +57,7 @@ class DwaParams:
         stuck_distance: a vessel that stays within this (m; 0 or more) for stuck_time is stuck.
             Not printed. A quarter of what the slowest command, one v_step, sails in stuck_time:
             at that product itself rounding decides who is stuck, past it vessels that creep are.
+            And between two whole numbers of v_step * dt, by which a straight course grows.
         stuck_time: a vessel that stays within stuck_distance for this (s; above 0) is stuck. Not
             printed.
     """
@@ -80,7 +81,7 @@ class DwaParams:
     clear_distance: Scalar = 2.0
     radius: Scalar = 0.5
     goal_tolerance: Scalar = 0.5
-    stuck_distance: Scalar = 0.05
+    stuck_distance: Scalar = 0.0525
     stuck_time: Scalar = 20.0
 
     @property
@@ -108,8 +109,8 @@ class DwaStatic:
             study as many as that, when left out.
         horizon: steps of the predicted trajectory, which lasts horizon * dt (1 to 10000).
         clearance: where the distance to obstacles is taken ("endpoint": at the predicted
-            position, as in Tan's Fig. 1; "trajectory": the least over all predicted positions;
-            "trajectory_and_start": the present one too).
+            position, as in Tan's Fig. 1; "trajectory": the least over all predicted positions, as
+            its text may mean; "trajectory_and_start": the present one too).
         clearance_score: what of it scores ("distance"; "reciprocal": minus one over the distance
             to the centre).
         normalise: how the parts of the score are made comparable over the admissible candidates

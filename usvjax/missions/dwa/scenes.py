@@ -74,7 +74,10 @@ class LatticeTable(OnOwnMaps):
     """Obstacles on the integer points of a square (see `usvjax.maps.lattice`).
 
     Start and goal are never obstacles, and a point whose obstacle circle contains one of them
-    is left out.
+    is left out. Two things are sharp. Circles of 0.5 m touch: with 0.495 m there are gaps, and at a
+    rate of 0.3 and a cap of 2r 56 instead of 44 % of traditional episodes reach the goal. From
+    corner to corner the course is a diagonal, where both sides of an obstacle score alike: with
+    0.2 m, start turned by 0.001 rad, 95 instead of 81 % do.
 
     Attributes:
         rate: obstacle rate, a share in [0, 1].
