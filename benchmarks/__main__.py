@@ -19,6 +19,7 @@ NAMES = (
     "lane_invariance",
     "compile_time",
     "study_resume",
+    "study_calls",
     "search_oracle",
     "search_peers",
     "search_growth",

@@ -63,10 +63,12 @@ class Files:
     Attributes:
         folder: what relative paths in them are relative to.
         where: the study file, for messages.
+        kept: what the conditions before have read of them, for those after.
     """
 
     folder: Path = field(default_factory=Path)
     where: str = "the study"
+    kept: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def table(self, name: str) -> str:
         """What messages call a table."""

@@ -8,6 +8,7 @@ import dataclasses
 import types
 import typing
 from collections.abc import Iterable, Mapping
+from functools import cache
 from typing import Any, TypeVar
 
 from usvjax.checks import shown
@@ -121,10 +122,15 @@ def read_values(cls: type, table: Mapping[str, Any], where: str) -> dict[str, An
         BadTypeError: on a value of the wrong type.
     """
     check_keys(table, [f.name for f in dataclasses.fields(cls)], where)
-    hints = typing.get_type_hints(cls)
+    hints = _hints(cls)
     return {
         name: _convert(value, hints[name], f"{where}: {name!r}") for name, value in table.items()
     }
+
+
+@cache  # asked once for each condition of a study, of which there may be thousands
+def _hints(cls: type) -> dict[str, Any]:
+    return typing.get_type_hints(cls)
 
 
 def _convert(value: Any, hint: Any, what: str) -> Any:

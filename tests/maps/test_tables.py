@@ -31,7 +31,7 @@ def opened(options, folder, where):
 
 
 def read(given):
-    return read_maps(given, TABLE, opened, Path("here"), "study.toml: [maps]")
+    return read_maps(given, TABLE, opened, Path("here"), "study.toml: [maps]", {})
 
 
 def test_the_source_is_opened_and_all_keys_in_force_are_told():
@@ -45,6 +45,21 @@ def test_where_none_is_named_it_is_the_table_s_default_and_opening_may_complete_
     settings, source, inputs = read({})
     assert settings == {"source": "far", "distance": 20.0, "bearing": 0.0}
     assert (source, inputs) == ("drawn", {"file": "digest"})
+
+
+def test_what_is_asked_for_again_is_opened_once():
+    kept, calls = {}, []
+
+    def counted(options, folder, where):
+        calls.append(options)
+        return opened(options, folder, where)
+
+    first, again, other = (
+        read_maps(given, TABLE, counted, Path("here"), "the study", kept)
+        for given in ({"distance": 3}, {"source": "far", "distance": 3.0}, {"distance": 4})
+    )
+    assert first == again != other
+    assert calls == [Far(3.0), Far(4.0)]
 
 
 @pytest.mark.parametrize(

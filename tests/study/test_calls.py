@@ -17,6 +17,7 @@ from usvjax.mission import joining
 from usvjax.missions.dwa.mission import DwaMission
 from usvjax.study import calls, load_run, parse_spec, run_study
 from usvjax.study.calls import Calls, Kindred
+from usvjax.study.forecast import forecast
 from usvjax.study.runner import Silent, StudyStoppedError
 from usvjax.study.shards import Unit
 
@@ -231,3 +232,16 @@ def test_conditions_that_cannot_be_joined_go_alone():
     assert len(set(kindred.key)) == 9
     assert set(kindred.most.values()) == {0}
     assert np.ndim(kindred.pose([Unit(0, 0)]).parts[0].jobs) == 1
+
+
+def test_a_forecast_is_of_calls_as_the_study_makes_them(joined):
+    found = forecast(parse_spec(kin_study()))
+    assert (found.conditions, found.tried) == (4, 100)
+    assert joined[:2] == [1, 1]  # one episode, of what it takes to compile
+    assert set(joined[2:]) == {4}
+    assert found.bytes > 0
+
+
+def test_a_forecast_joins_no_more_than_a_call_takes(joined):
+    forecast(parse_spec(kin_study(episodes=4000, shard=4000)))
+    assert set(joined[-8:]) == {1}

@@ -7,7 +7,7 @@ that very key, whatever else a scene holds from a `Stream` or a numbered round.
 
 from collections.abc import Callable
 from enum import IntEnum
-from functools import partial
+from functools import lru_cache, partial
 
 import jax
 import jax.numpy as jnp
@@ -16,6 +16,7 @@ import numpy as np
 from usvjax.keys import seed_key
 
 _BLOCK = 64
+_MOST_KEPT = 2**20  # numbers of one draw, 8 MiB
 
 
 class Stream(IntEnum):
@@ -27,8 +28,21 @@ class Stream(IntEnum):
 
 
 def uniform_fields(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:
-    """Uniform numbers in [0, 1), float64[J, count], row j from `fold_in(key(seed), jobs[j])`."""
-    return np.asarray(_fields(seed_key(seed), jnp.asarray(jobs, jnp.uint32), count), float)
+    """Uniform numbers in [0, 1), float64[J, count], row j from `fold_in(key(seed), jobs[j])`.
+
+    Read-only: the conditions of a study share the draws, so those of the last calls are kept.
+    """
+    numbers = jobs.astype(np.uint32).tobytes()
+    draw = _kept_fields if len(jobs) * count <= _MOST_KEPT else _kept_fields.__wrapped__
+    return draw(seed, numbers, count)
+
+
+@lru_cache(maxsize=4)
+def _kept_fields(seed: int, numbers: bytes, count: int) -> np.ndarray:
+    jobs = np.frombuffer(numbers, np.uint32)
+    drawn = np.array(_fields(seed_key(seed), jnp.asarray(jobs), count), float)
+    drawn.flags.writeable = False
+    return drawn
 
 
 def uniform_points(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:

@@ -36,6 +36,7 @@ def read_maps(
     opened: Callable[[Any, Path, str], Opened[S]],
     folder: Path,
     where: str,
+    kept: dict[Any, Opened[Any]],
 ) -> tuple[dict[str, Any], S, dict[str, str]]:
     """Read a `[maps]` table: the source that it names and the options that go with it.
 
@@ -45,6 +46,8 @@ def read_maps(
         opened: from options, `folder` and `where` to what they ask for.
         folder: what a relative path is relative to.
         where: the study file and table, for the messages.
+        kept: what conditions before asked for, by their options, and this one will be put in: of
+            a study with hundreds a map is read once, and they share what is found out about it.
 
     Returns:
         All keys of the table as they are in force, the source, and the digests of its inputs.
@@ -60,9 +63,11 @@ def read_maps(
         raise BadInputError(
             f"{where}: unknown source {shown(name)}; {did_you_mean(name, table.kinds)}"
         )
-    (options,) = table.classes(name)
-    rest = {k: v for k, v in given.items() if k != "source"}
-    found = opened(read_table(options, rest, where), folder, where)
+    (kind,) = table.classes(name)
+    options: Any = read_table(kind, {k: v for k, v in given.items() if k != "source"}, where)
+    found: Opened[S] | None = kept.get(options)
+    if found is None:
+        found = kept[options] = opened(options, folder, where)
     return {"source": name, **asdict(found.options)}, found.source, found.inputs
 
 

@@ -1,13 +1,15 @@
 """How long a study would take and how large it would be, from a few of its episodes."""
 
 import time
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from usvjax.study.calls import Kindred
 from usvjax.study.shards import Unit, encode_shard
 from usvjax.study.spec import StudySpec
-from usvjax.study.units import run_unit
+from usvjax.study.units import run_units
 
 FIRST = 16  # episodes tried of a condition, to begin with
 MOST_TRIED = 4  # conditions
@@ -68,6 +70,12 @@ def _trial(spec: StudySpec, conditions: list[int], episodes: int) -> tuple[float
     """Seconds and bytes of so many episodes of some conditions, all methods."""
     part = replace(spec, episodes=episodes, shard=episodes)
     began = time.perf_counter()
-    tables = [run_unit(part, Unit(condition, 0)) for condition in conditions]
+    kindred = Kindred(part)
+    shared: dict[Hashable, list[Unit]] = {}
+    for condition in conditions:
+        key = kindred.key[condition]
+        fits = len(conditions) * episodes <= kindred.most[key]
+        shared.setdefault(key if fits else condition, []).append(Unit(condition, 0))
+    tables = [table for units in shared.values() for table in run_units(part, units, kindred)]
     seconds = time.perf_counter() - began
     return seconds, sum(len(encode_shard(Unit(0, 0), table)[1]) for table in tables)

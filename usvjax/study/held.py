@@ -64,7 +64,7 @@ class Held:
         named = {_relative(source.place, folder): source for source in own}
         depth = max((name.split("/").count("..") for name in named), default=0)
         moved = {}
-        for word in filter(None, words):
+        for word in dict.fromkeys(filter(None, words)):  # of all conditions, many alike
             beside, elsewhere = _relative(folder / word, folder), _relative(Path(word), folder)
             if elsewhere in named and (os.path.isabs(word) or beside not in named):
                 moved[word] = elsewhere

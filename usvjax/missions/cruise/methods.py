@@ -19,7 +19,7 @@ from usvjax.missions.cruise import CruiseResult, cruise
 from usvjax.missions.cruise.inputs import check_expedition, check_heuristic
 from usvjax.missions.cruise.orders import water_distances
 from usvjax.missions.cruise.params import CruiseParams, CruiseStatic
-from usvjax.missions.cruise.scenes import CruiseScenes, Source
+from usvjax.missions.cruise.scenes import CruiseScenes, Source, some_scenes
 from usvjax.tables import check_keys, field_names, read_table
 from usvjax.tours import solve_tour
 
@@ -161,7 +161,7 @@ def check_options(source: Source, options: CruiseOptions) -> dict[str, str]:
     Raises:
         BadTypeError, BadInputError: as `usvjax.missions.cruise.cruise`.
     """
-    some = source.draw(0, np.arange(8))
+    some = some_scenes(source)
     with _naming_keys():
         expedition = check_expedition(
             some.blocked, some.stations, options.params, options.static, cell_size=source.cell_size

@@ -84,7 +84,7 @@ class CruiseMission:
         """Check one condition; see `Mission.case`."""
         place = files.table("maps")
         maps, source, inputs = read_maps(
-            tables["maps"], self.tables["maps"], opened, files.folder, place
+            tables["maps"], self.tables["maps"], opened, files.folder, place, files.kept
         )
         with saying_where(place):
             source.check(place)

@@ -7,7 +7,7 @@ home.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +64,7 @@ class CellTable(OnOwnMaps):
                 f"got {list(self.shape)!r}"
             )
         check_stations(self.stations, self.min_distance, where)
-        self.draw(0, np.arange(8))
+        some_scenes(self)
 
     def draw(self, seed: int, jobs: np.ndarray) -> CruiseScenes:
         """Return the maps and stations of int64[J] jobs.
@@ -143,7 +143,7 @@ class ChartSource(OnChart):
             check_places(self.table.places, self.water, where)
             return
         check_stations(self._count, self.table.min_distance, where)
-        self.draw(0, np.arange(8))
+        some_scenes(self)
 
     def draw(self, seed: int, jobs: np.ndarray) -> CruiseScenes:
         """Return the stations of int64[J] jobs.
@@ -168,6 +168,12 @@ class ChartSource(OnChart):
 
 Source = CellTable | ChartSource
 """What draws the maps and stations of a condition."""
+
+
+@lru_cache(maxsize=1)  # for the checks of [maps] and of [cruise], and the next condition's
+def some_scenes(source: Source) -> CruiseScenes:
+    """Maps and stations of a few jobs, to try them; errors as `draw`."""
+    return source.draw(0, np.arange(8))
 
 
 def opened(table: CellTable | ChartTable, folder: Path, where: str) -> Opened[Source]:

@@ -81,7 +81,7 @@ class DwaMission:
         params, static = _read_method(tables["params"], tables["static"], files)
         place = files.table("maps")
         maps, source, inputs = read_maps(
-            tables["maps"], self.tables["maps"], opened, files.folder, place
+            tables["maps"], self.tables["maps"], opened, files.folder, place, files.kept
         )
         source.check(float(params.radius), place)
         source.check_outside_goal(float(params.goal_tolerance), place)

@@ -136,6 +136,7 @@ def _stacked(parts: Sequence[DwaScenes], rows: int) -> tuple[np.ndarray, np.ndar
     first = 0
     for part in parts:
         own = slice(first, first + len(part.starts)), slice(part.rows)
-        centres[own], valid[own] = part.obstacles, True if part.valid is None else part.valid
+        centres[own] = np.asarray(part.obstacles)
+        valid[own] = True if part.valid is None else part.valid
         first += len(part.starts)
     return centres, valid

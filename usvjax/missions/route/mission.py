@@ -85,7 +85,7 @@ class RouteMission:
         """Check one condition; see `Mission.case`."""
         place = files.table("maps")
         maps, source, inputs = read_maps(
-            tables["maps"], self.tables["maps"], opened, files.folder, place
+            tables["maps"], self.tables["maps"], opened, files.folder, place, files.kept
         )
         source.check(place)
         search = read_table(SearchOptions, tables["search"], files.table("search"))
