@@ -218,7 +218,7 @@ def _stuck(rows: _Rows) -> Iterator[str]:
     ]
     yield (
         "**Who is given up decides who is compared.** Without a cap the improved method backs out "
-        "of dead ends at one step of speed, for up to a minute. Its success and the ratio of "
+        "of dead ends at one step of speed. Its success and the ratio of "
         f"times, improved to traditional: {told[0]}; {told[3]} if nobody is given up; {told[1]} if "
         f"those are who stay within 0.2 m for 20 s, exactly what one step of speed sails; "
         f"{told[2]} within 0.5 m, which gives up the slow and leaves the quick; {told[4]} if all "
