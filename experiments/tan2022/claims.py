@@ -13,10 +13,10 @@ from usvjax.report.numbers import fixed, listed, p_value
 
 _ERROR = f"{100 * ALPHA:.0f} %"
 _TABLE_TEST = (
-    "the printed values against tables drawn from our own maps on which both methods succeed, all "
-    "values together, by the one farthest off in standard deviations of what {} vary; a true table "
+    "the printed values against tables drawn from our own maps on which both methods succeed, {} "
+    "per value, all values together, by the one farthest off in standard deviations; a true table "
     f"is excluded with probability {_ERROR}, and the verdict says so only if every reading "
-    f"excludes it. Undecided with fewer than {LEAST_MAPS} such maps."
+    f"excludes it. A dash where there are fewer than {LEAST_MAPS} such maps."
 )
 _BETTER_TEST = (
     "yes where the improved method is shown to be better at every radius, no where it is shown to "
@@ -43,13 +43,13 @@ def claims(numbers: Numbers) -> list[Claim]:
         *(
             _weak(f"Table {number}: {words}", f"18 {what}", number, varied)
             for number, words, what, varied in (
-                ("2", "one map at three radii", "values", "single maps"),
-                ("3", "one map per radius", "values", "single maps"),
-                ("4", f"averages over {TABLE4_MAPS} maps", "averages", f"{TABLE4_MAPS} maps"),
+                ("2", "one map at three radii", "values", "one"),
+                ("3", "one map per radius", "values", "one"),
+                ("4", f"averages over {TABLE4_MAPS} maps", "averages", f"{TABLE4_MAPS}"),
             )
         ),
         *(
-            _weak(f"Table 4: {words}", _printed_change(metric), metric, f"{TABLE4_MAPS} maps")
+            _weak(f"Table 4: {words}", _printed_change(metric), metric, f"{TABLE4_MAPS}")
             for metric, words in (
                 ("time", "time is reduced by so much"),
                 ("path_length", "the path is shortened by so much"),

@@ -2,7 +2,7 @@
 
 A table's values hang together: one slow map makes its time long and its speed low. So whole tables
 are drawn from our own episodes, and the printed one is compared with them by the value that lies
-farthest from what is expected, in its own standard deviations.
+farthest from what is expected, in standard deviations of that value.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ import numpy as np
 
 ALPHA = 0.05
 LEAST_MAPS = 40
-"""Of the maps that tables are drawn from: with fewer, the error would not be `ALPHA`."""
+"""Of the maps that tables are drawn from: with fewer, the error would not be about `ALPHA`."""
 MOST_MAPS = 1000
 """That are made use of; more tell nothing more."""
 TABLES = 1000
@@ -71,7 +71,7 @@ def table_test(groups: Sequence[Values], maps: int, unit: float) -> dict[str, An
 def _deviations(
     group: Values, maps: int, unit: float, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Logarithm of averages over that of what is expected, in standard deviations.
+    """Logarithm of averages over that of what is expected, in standard deviations of our maps.
 
     Returns:
         float[k] of the printed values, float[TABLES, k] of drawn ones.
@@ -85,6 +85,6 @@ def _deviations(
     times = times / times.sum(axis=1, keepdims=True)
     means = times @ ours
     variance = np.maximum(times @ ours**2 - means**2, unit**2)
-    spread = np.sqrt(variance * (1.0 / maps + 1.0 / n)) / means
+    spread = np.sqrt(variance) / means
     found = np.log(np.concatenate([tables, [group.printed]]) / means) / spread
     return found[-1], found[:-1]
