@@ -16,7 +16,7 @@ _TABLE_TEST = (
     "the printed values against tables drawn from our own maps on which both methods succeed, {} "
     "per value, all values together, by the one farthest off in standard deviations; a true table "
     f"is excluded with probability {_ERROR}, and the verdict says so only if every reading "
-    f"excludes it. A dash where there are fewer than {LEAST_MAPS} such maps."
+    f"excludes it; one with fewer than {LEAST_MAPS} such maps has a dash and does not count."
 )
 _BETTER_TEST = (
     "yes where the improved method is shown to be better at every radius, no where it is shown to "

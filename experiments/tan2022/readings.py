@@ -50,12 +50,13 @@ class Reading:
     scattered: bool = False
     changes: Mapping[str, Any] = field(default_factory=dict)
 
-    def but(self, label: str, group: str, **changes: Any) -> "Reading":
-        """The same with something else, named after this one; `changes` by dotted key."""
-        own = {name: changes.pop(name) for name in ("rate", "scattered") if name in changes}
-        together = {**self.changes, **changes.pop("changes", {})}
+    def but(
+        self, label: str, group: str, changes: Mapping[str, Any] | None = None, **own: Any
+    ) -> "Reading":
+        """The same with something else, named after this one; `changes` come on top of its own."""
         label = f"{self.label}, {label}"
-        return replace(self, label=label, group=group, changes=together, **own)
+        changes = {**self.changes, **(changes or {})}
+        return replace(self, label=label, group=group, changes=changes, **own)
 
     def settings(self, case: Case, method: str) -> dict[str, Any]:
         """What a study of the mission "dwa" is to be run with, by dotted key.

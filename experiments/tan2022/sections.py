@@ -34,7 +34,10 @@ def sections(numbers: Numbers) -> list[Section]:
         Section("Improved against traditional", [_OVERVIEW, _overview(numbers)]),
         Section("Why", [Bullets(why(numbers))]),
         *(_published(printed, numbers) for printed in (TABLE2, TABLE3, TABLE4)),
-        Section("Both methods on paired maps", [_PAIRED, *map(_paired, *_in_full(numbers))]),
+        Section(
+            "Both methods on paired maps",
+            [_PAIRED, *(_paired(label, numbers["paired"][label]) for label in _IN_FULL)],
+        ),
         Section("What the paper does not print", [_VARIED, _sensitivities(numbers)]),
         Section("Which reading comes nearest", _ranking(numbers)),
         Section("What Eq. 4 asks of dist", [_BOUNDS, _bounds(numbers)]),
@@ -154,10 +157,6 @@ _PAIRED = (
     "p-values are Holm-corrected over all comparisons, also those that are in results.json only "
     "(t-test, Wilcoxon; McNemar for success)."
 )
-
-
-def _in_full(numbers: Numbers) -> tuple[list[str], list[Mapping[str, Any]]]:
-    return list(_IN_FULL), [numbers["paired"][label] for label in _IN_FULL]
 
 
 def _paired(label: str, row: Mapping[str, Any]) -> Section:

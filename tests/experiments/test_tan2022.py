@@ -204,7 +204,7 @@ def maps_like(rng, n):
 
 
 @pytest.mark.parametrize("maps", [1, 20])
-@pytest.mark.parametrize("n", [joint.LEAST_MAPS, 400])
+@pytest.mark.parametrize("n", [joint.LEAST_MAPS, 150])
 def test_a_table_of_our_own_maps_is_excluded_as_often_as_is_said(maps, n, monkeypatch):
     monkeypatch.setattr(joint, "TABLES", 200)
     rng = np.random.default_rng((maps, n))
