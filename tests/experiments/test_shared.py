@@ -12,7 +12,6 @@ from experiments import parallel, textbook, verdicts
 from experiments.chen2023 import __main__ as chen2023
 from experiments.files import RESULTS, results_folder, rounded
 from experiments.program import begin
-from experiments.tan2022 import __main__ as tan2022
 from experiments.textbook import LOWER_FIRST, STRAIGHTS_FIRST, UPPER_FIRST, Rules
 from experiments.wei2023 import __main__ as wei2023
 from experiments.yu2022 import __main__ as yu2022
@@ -22,7 +21,6 @@ from experiments.zhang2019.runs import measure
 EXACT = Rules(1000, 1400, heuristic="octile")
 PROGRAMS = {
     "chen2023": (chen2023, "--scenes"),
-    "tan2022": (tan2022, "--episodes"),
     "wei2023": (wei2023, "--scenes"),
     "yu2022": (yu2022, "--swarm-runs"),
     "zhang2019": (zhang2019, "--maps"),
