@@ -17,7 +17,8 @@ from experiments.tan2022.episodes import Asked, studies
 from experiments.tan2022.figures import figures
 from experiments.tan2022.measures import COUNTED, measure
 from experiments.tan2022.readings import (
-    BESIDE,
+    ALONG_DEMO,
+    ALONG_PRESET,
     CASES,
     MAIN,
     ONE_MAP_CASES,
@@ -29,9 +30,9 @@ from experiments.tan2022.sections import sections
 from experiments.tan2022.why import readings, summary
 from usvjax.errors import BadInputError
 
-MAPS, FEW, VARIED, RANKED = 10_000, 2_000, 500, 300
-"""Paired maps per radius: of the main readings, of the others that count for verdicts, of the
-sensitivities, and of the ranking."""
+MAPS, MANY, FEW, VARIED, RANKED = 10_000, 5_000, 2_000, 500, 300
+"""Paired maps per radius: of the main readings, of the others that count for verdicts, of those
+with dist along the trajectory, of the sensitivities, and of the ranking."""
 QUICK = 100
 
 
@@ -56,14 +57,15 @@ def runs(options: TanOptions) -> dict[str, Study]:
     if maps is not None and maps < 1:
         raise BadInputError(f"--episodes: got {maps}; wanted at least 1 map per radius")
     maps = maps or (QUICK if options.quick else MAPS)
-    few, varied, ranked = (min(maps, most) for most in (FEW, VARIED, RANKED))
+    many, few, varied, ranked = (min(maps, most) for most in (MANY, FEW, VARIED, RANKED))
+    counted = [(few if one in (ALONG_PRESET, ALONG_DEMO) else many, one) for one in COUNTED]
+    cases = (*CASES, *ONE_MAP_CASES)
     alone = quick_sensitivities() if options.quick else sensitivities()
     combined = [] if options.quick else combinations()
     return studies(
         [
             *(Asked(maps, reading, case) for reading in MAIN for case in CASES),
-            *(Asked(few, reading, case) for reading in BESIDE for case in CASES),
-            *(Asked(few, reading, case) for reading in COUNTED for case in ONE_MAP_CASES),
+            *(Asked(count, reading, case) for count, reading in counted for case in cases),
             *(Asked(varied, reading, case) for reading in alone for case in CASES),
             *(Asked(ranked, reading, case) for reading in combined for case in CASES),
         ]

@@ -7,7 +7,7 @@ from experiments.claims import Numbers
 from experiments.tan2022.arithmetic import arithmetic
 from experiments.tan2022.measures import COUNTED, HYBRID
 from experiments.tan2022.published import METHODS, RADII, TABLE4
-from experiments.tan2022.readings import ALONG_DEMO, ALONG_PRESET, DEMO, DEMO_START, PRESET
+from experiments.tan2022.readings import ALONG_DEMO, ALONG_PRESET, BESIDE, DEMO, DEMO_START, PRESET
 from usvjax import preset
 from usvjax.report.numbers import fixed, listed
 
@@ -66,7 +66,9 @@ def _own_numbers(numbers: Numbers) -> str:
 def readings(numbers: Numbers) -> list[str]:
     """How the paper was read."""
     params = preset("tan2022").params
-    maps = [numbers["paired"][r.label]["cases"][0]["maps"] for r in (PRESET, ALONG_PRESET)]
+    maps = [
+        numbers["paired"][r.label]["cases"][0]["maps"] for r in (PRESET, BESIDE[1], ALONG_PRESET)
+    ]
     return [
         "Maps: obstacle centres on the integer points 0 to 10, each with the obstacle rate as "
         "probability; start (0, 0) at rest heading for the goal (10, 10). Control period "
@@ -95,9 +97,9 @@ def readings(numbers: Numbers) -> list[str]:
         "The paper shows maps on which both methods arrive and does not say how they were chosen. "
         "Ours are the first ones of a fixed sequence on which both do, and the tables say how many "
         "were passed over. Table 2 takes the first map that both methods cross at all three radii.",
-        f"Sizes: {maps[0]:,} maps per radius under the readings of the end of the prediction, "
-        f"{maps[1]:,} under the other ones that count; dist along the trajectory costs up to "
-        "thirty times as much.",
+        f'Sizes: {maps[0]:,} maps per radius under "{PRESET.label}", "{DEMO.label}" and '
+        f'"{DEMO_START.label}", {maps[2]:,} with dist along the trajectory, which costs up to '
+        f"thirty times as much, {maps[1]:,} under the other readings that count.",
     ]
 
 
