@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import tyro
 from matplotlib.figure import Figure
+from rich.text import Text
 
 from experiments import claims, output, pace, page
 from experiments.claims import Check, Claim, Numbers, Verdict
@@ -188,7 +189,7 @@ def main(paper: Paper, argv: Sequence[str] | None = None) -> int:
     sizes = {name: run.size for name, run in _named(paper, runs).items()}
     written = _written(paper, options, done, pace.record(took, sizes), folder)
     for one in done:
-        show_line(terminal(claims.section(one.verdicts), room()))
+        show_line(Text(terminal(claims.section(one.verdicts), room())))
     show(f"All of it took {monotonic() - begun:,.0f} s.")
     for file in written:
         show_line(f"Written  {file}")

@@ -125,7 +125,7 @@ def test_a_paper_is_run_judged_written_and_not_run_twice(tmp_path, monkeypatch, 
     assert found["pace"]["runs"]["sailing: sailed"]["size"] == 8
     out, err = capsys.readouterr()
     assert "somebody2099: 8 episodes; how long it takes was never recorded" in err
-    assert "It flies (published: never): DOES NOT REPRODUCE" in out
+    assert "\nIt flies (published: never): DOES NOT REPRODUCE\n" in out
     assert "no: 7 s, 1" in out
 
     spec = runs(Sizes())["sailed"].spec
