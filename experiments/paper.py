@@ -22,6 +22,7 @@ from experiments.runs import Found, Run, carry_out
 from usvjax.cli import usage_in_one_line
 from usvjax.cli.console import complain, room, show, show_line, use_any_encoding
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.pictures import SUFFIXES, check_dpi
 from usvjax.plots import save
 from usvjax.report import Section, markdown, terminal
 from usvjax.study.runner import StudyStoppedError
@@ -173,6 +174,7 @@ def main(paper: Paper, argv: Sequence[str] | None = None) -> int:
     try:
         with usage_in_one_line(prog):
             options = tyro.cli(paper.options, args=argv, prog=prog)
+        check_dpi("--dpi", options.dpi)
         runs = [part.runs(options) for part in paper.parts]
         folder = output.results_folder(paper.name, options.out, options.record, _is_a_look(options))
     except (BadInputError, BadTypeError) as error:
@@ -232,7 +234,14 @@ def _computed(
 def _written(
     paper: Paper, options: Options, done: Sequence[Done], paced: dict[str, Any], folder: Path
 ) -> list[Path]:
-    """Write the page and the numbers; returns all files, figures too."""
+    """Write the page and the numbers; returns all files, figures too.
+
+    Figures of an earlier page that this one does not name are removed.
+    """
+    named = {name for one in done for name, _ in one.drawings}
+    for file in (folder / "figures").glob("*"):
+        if file.suffix in SUFFIXES and file.name not in named:
+            file.unlink()
     found = {
         "format": 3,
         "settings": page.settings(options),

@@ -1,73 +1,48 @@
-"""Sail the episodes of many readings in a few large calls, and keep how each one ended."""
+"""The episodes that everything here rests on: as studies, and as what became of them."""
 
-from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-import usvjax as uj
-from experiments.tan2022.published import METRICS
-from experiments.tan2022.readings import FEW_MAPS, Case, Reading
-from usvjax.missions.dwa.params import DwaParams, DwaStatic
-from usvjax.missions.dwa.scenes import DwaScenes, Source
-from usvkernels.dwa.clearance import FAR
+from experiments.runs import Found, Study
+from experiments.tan2022.published import METHODS, METRICS
+from experiments.tan2022.readings import Case, Reading
+from usvjax.mission import Replayed
 from usvkernels.status import Status
 
-CALL = 16_384
-"""Episodes per call: enough to refill lanes from, few enough that memory stays flat."""
-ROOM = 32
-"""Obstacle rows are padded to a multiple of this, so that few programs are compiled."""
-
-SWEPT = (
-    "radius",
-    "clearance_cap",
-    "clear_distance",
-    "v_min",
-    "search_angle",
-    "goal_tolerance",
-)
-"""Parameters given per episode, so that readings that differ in them share a call."""
+SEED = 2022
+SHARD = 2000
 
 
-@dataclass(frozen=True)
-class Run:
-    """Episodes 0 to n - 1 of one method, identified by all that they depend on.
+class Asked(NamedTuple):
+    """Episodes 0 to maps - 1 of both methods under a reading, at one radius."""
 
-    Attributes:
-        source: of the maps.
-        params, static: of the method.
-        seed: of the maps.
-        episodes: how many.
-    """
-
-    source: Source
-    params: DwaParams
-    static: DwaStatic
-    seed: int
-    episodes: int
+    maps: int
+    reading: Reading
+    case: Case
 
 
 @dataclass(frozen=True)
 class Episodes:
-    """How the episodes of a run ended; numpy arrays [n].
+    """How some episodes of one method ended; numpy arrays [n].
 
     Attributes:
         status: `Status`.
         time: s.
         path_length: m.
         mean_speed: m/s.
-        min_clearance: m.
-        steps: control periods.
     """
 
     status: np.ndarray
     time: np.ndarray
     path_length: np.ndarray
     mean_speed: np.ndarray
-    min_clearance: np.ndarray
-    steps: np.ndarray
+
+    def first(self, count: int) -> "Episodes":
+        """Those on the first maps."""
+        return Episodes(**{name: values[:count] for name, values in vars(self).items()})
 
     @property
     def reached(self) -> np.ndarray:
@@ -80,189 +55,96 @@ class Episodes:
         return np.stack(columns, axis=-1).astype(np.float64)
 
 
-Results = dict[Run, Episodes]
+Pair = Mapping[str, Episodes]
+"""Method to its episodes, all on the same maps."""
 
 
-@dataclass(frozen=True)
-class Plan:
-    """How many maps, and from which seed.
+def studies(asked: Iterable[Asked]) -> dict[str, Study]:
+    """What to run: a study per number of maps and method, since a method's own conditions differ.
 
-    Attributes:
-        seed: of the maps.
-        maps: per reading and case.
-        few_maps: the same where dist is taken along the trajectory, which is slow.
+    Of conditions that a method cannot tell apart one is run, on as many maps as any of them is
+    asked for. There is one seed: job j is the same map everywhere.
     """
-
-    seed: int
-    maps: int
-    few_maps: int
-
-    def run(self, reading: Reading, case: Case, method: str) -> Run:
-        """Return the run of one reading, case and method."""
-        return Run(
-            source=reading.source(case),
-            params=reading.params(case, method),
-            static=reading.static(method),
-            seed=self.seed,
-            episodes=self.few_maps if reading.clearance == FEW_MAPS else self.maps,
+    most: dict[tuple[str, str], tuple[int, dict[str, Any]]] = {}
+    for maps, reading, case in asked:
+        for method in METHODS:
+            settings = reading.settings(case, method)
+            key = method, label_of(settings)
+            if key not in most or most[key][0] < maps:
+                most[key] = maps, settings
+    conditions: dict[tuple[int, str], list[dict[str, Any]]] = {}
+    for (method, label), (maps, settings) in most.items():
+        conditions.setdefault((maps, method), []).append({"label": label, **settings})
+    return {
+        f"{method}, {maps:,} maps": Study(
+            {
+                "name": method,
+                "kind": "dwa",
+                "seed": SEED,
+                "episodes": maps,
+                "shard": min(maps, SHARD),
+                "methods": [method],
+                "conditions": own,
+            }
         )
-
-
-@dataclass(frozen=True)
-class _Piece:
-    """Some episodes of a run, with their scenes."""
-
-    run: Run
-    scenes: DwaScenes
-
-    def __len__(self) -> int:
-        return len(self.scenes.starts)
-
-
-def sail(runs: Sequence[Run], advance: Callable[[int], object] = lambda episodes: None) -> Results:
-    """Sail all episodes of some runs.
-
-    Args:
-        runs: repeated ones are sailed once.
-        advance: told after each call how many episodes are done since the last time.
-
-    Returns:
-        How they ended, by run.
-    """
-    parts: dict[Run, list[Episodes]] = defaultdict(list)
-    for static, group in _by_static(runs).items():
-        for pieces in _calls(group):
-            result = _call(pieces, static)
-            first = 0
-            for piece in pieces:
-                parts[piece.run].append(_episodes(result, slice(first, first + len(piece))))
-                first += len(piece)
-            advance(first)
-    return {run: _joined(found) for run, found in parts.items()}
-
-
-def total(runs: Sequence[Run]) -> int:
-    """Return how many episodes `sail` will report for these runs."""
-    return sum(run.episodes for run in set(runs))
-
-
-def record(
-    chosen: Sequence[tuple[Run, int]],
-) -> list[np.ndarray]:
-    """Sail single episodes again and keep their trajectories.
-
-    Args:
-        chosen: pairs of a run and the number of one of its episodes.
-
-    Returns:
-        float[T, 5] each: x (m), y (m), psi (rad), v (m/s), w (rad/s) from start to end.
-    """
-    found: dict[tuple[Run, int], np.ndarray] = {}
-    for static in dict.fromkeys(run.static for run, _ in chosen):
-        pairs = [(run, job) for run, job in chosen if run.static == static]
-        pieces = [_Piece(run, _draw(run, np.array([job]))) for run, job in pairs]
-        result = _call(pieces, static, recorded=True)
-        assert result.trajectory is not None
-        for i, pair in enumerate(pairs):
-            found[pair] = result.trajectory[i, : result.steps[i] + 1]
-    return [found[pair] for pair in chosen]
-
-
-def obstacles(run: Run, job: int) -> np.ndarray:
-    """Centres of the obstacles of one episode, float[K, 2] (m)."""
-    scenes = _draw(run, np.array([job]))
-    assert isinstance(scenes.obstacles, np.ndarray)
-    assert scenes.valid is not None
-    centres: np.ndarray = scenes.obstacles[0][scenes.valid[0]]
-    return centres
-
-
-def _by_static(runs: Sequence[Run]) -> dict[DwaStatic, list[Run]]:
-    groups: dict[DwaStatic, list[Run]] = defaultdict(list)
-    for run in dict.fromkeys(runs):
-        groups[run.static].append(run)
-    return groups
-
-
-def _calls(runs: Sequence[Run]) -> Iterator[list[_Piece]]:
-    """Cut the episodes of some runs into calls of like size and like number of obstacle rows."""
-    rooms: dict[int, list[Run]] = defaultdict(list)
-    for run in runs:
-        rooms[_room(run)].append(run)
-    for group in rooms.values():
-        jobs = [(run, job) for run in group for job in _blocks(run)]
-        episodes = sum(len(block) for _, block in jobs)
-        calls = -(-episodes // CALL)
-        pieces: list[_Piece] = []
-        held = sent = 0
-        for run, block in jobs:
-            pieces.append(_Piece(run, _draw(run, block)))
-            held += len(block)
-            if sent < calls - 1 and held >= episodes / calls:
-                yield pieces
-                pieces, held, sent = [], 0, sent + 1
-        if pieces:
-            yield pieces
-
-
-def _blocks(run: Run) -> list[np.ndarray]:
-    """Numbers of a run's episodes, in blocks that fill calls evenly."""
-    jobs = np.arange(run.episodes)
-    return [jobs[i : i + CALL // 16] for i in range(0, run.episodes, CALL // 16)]
-
-
-def _draw(run: Run, jobs: np.ndarray) -> DwaScenes:
-    return run.source.draw(run.seed, jobs, float(run.params.radius))
-
-
-def _room(run: Run) -> int:
-    """Obstacle rows of a run's maps, rounded up."""
-    drawn = _draw(run, np.zeros(1, int)).obstacles
-    assert isinstance(drawn, np.ndarray)
-    return _rounded(drawn.shape[1])
-
-
-def _rounded(rows: int) -> int:
-    return -(-rows // ROOM) * ROOM
-
-
-def _call(pieces: Sequence[_Piece], static: DwaStatic, recorded: bool = False) -> uj.NavigateResult:
-    """Sail the episodes of all pieces at once."""
-    rows = max(_rounded(piece.scenes.obstacles.shape[1]) for piece in pieces)
-    common = pieces[0].run.params
-    swept: dict[str, Any] = {
-        name: np.concatenate(
-            [np.full(len(piece), float(getattr(piece.run.params, name))) for piece in pieces]
-        )
-        for name in SWEPT
+        for (maps, method), own in conditions.items()
     }
-    rest = {f.name: getattr(common, f.name) for f in fields(common) if f.name not in SWEPT}
-    return uj.navigate_dwa(
-        np.concatenate([_padded(piece.scenes, rows) for piece in pieces]),
-        np.concatenate([piece.scenes.starts for piece in pieces]),
-        np.concatenate([piece.scenes.goals for piece in pieces]),
-        params=DwaParams(**rest, **swept),
-        static=static,
-        record=recorded,
-    )
 
 
-def _padded(scenes: DwaScenes, rows: int) -> np.ndarray:
-    """Obstacle centres, float32[J, rows, 2]; what is no obstacle lies far away."""
-    centres = scenes.obstacles
-    assert isinstance(centres, np.ndarray)
-    assert scenes.valid is not None
-    centres = np.where(scenes.valid[..., None], centres, FAR)
-    missing = rows - centres.shape[1]
-    padded: np.ndarray = np.pad(centres, ((0, 0), (0, missing), (0, 0)), constant_values=FAR)
-    return padded.astype(np.float32)
+def label_of(settings: Mapping[str, Any]) -> str:
+    """Words for a condition that no other has."""
+    return ", ".join(f"{key.partition('.')[2]} {value}" for key, value in sorted(settings.items()))
 
 
-def _episodes(result: uj.NavigateResult, rows: slice) -> Episodes:
-    return Episodes(**{f.name: getattr(result, f.name)[rows] for f in fields(Episodes)})
+class Sailed:
+    """What became of the episodes, by reading, case and method."""
+
+    def __init__(self, found: Found) -> None:
+        self._place = {
+            (method, condition.label): ran
+            for ran in found.studies.values()
+            for method in ran.spec.methods
+            for condition in ran.spec.conditions
+        }
+
+    def has(self, reading: Reading, case: Case) -> bool:
+        """Whether both methods were run."""
+        return all((m, label_of(reading.settings(case, m))) in self._place for m in METHODS)
+
+    def one(self, reading: Reading, case: Case, method: str) -> Episodes:
+        """All episodes of one method."""
+        label = label_of(reading.settings(case, method))
+        columns = self._place[method, label].columns(label, method)
+        return Episodes(**{field.name: columns[field.name] for field in fields(Episodes)})
+
+    def pair(self, reading: Reading, case: Case, improved: Reading | None = None) -> Pair:
+        """The episodes of both methods, the improved one under another reading if one is given."""
+        found = (
+            self.one(reading, case, "traditional"),
+            self.one(improved or reading, case, "improved"),
+        )
+        count = min(len(episodes.status) for episodes in found)
+        return {m: episodes.first(count) for m, episodes in zip(METHODS, found, strict=True)}
+
+    def replay(self, reading: Reading, case: Case, method: str, jobs: list[int]) -> Replayed:
+        """Some episodes of one method, recorded."""
+        label = label_of(reading.settings(case, method))
+        return self._place[method, label].replay(label, method, jobs)
 
 
-def _joined(parts: Sequence[Episodes]) -> Episodes:
-    return Episodes(
-        **{f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Episodes)}
-    )
+def common_table(pair: Pair) -> np.ndarray:
+    """Values on the maps where both methods reach the goal, float[2, n, 3]."""
+    both = both_reached(pair)
+    return np.stack([pair[method].table(both) for method in METHODS])
+
+
+def both_reached(pair: Pair) -> np.ndarray:
+    """Which maps both methods reach the goal on, bool[n]."""
+    both: np.ndarray = pair["traditional"].reached & pair["improved"].reached
+    return both
+
+
+def per_map_change(table: np.ndarray) -> np.ndarray:
+    """Change of each value from the traditional to the improved method as a share, float[n, 3]."""
+    change: np.ndarray = table[1] / table[0] - 1.0
+    return change

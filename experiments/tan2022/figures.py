@@ -1,66 +1,93 @@
 """Figures 2 to 7 of Tan et al. 2022 on our maps, and what the massive runs add to them."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 import usvjax.missions.dwa.looks  # noqa: F401
-from experiments.tan2022.episodes import Episodes, Plan, Results, obstacles, record
-from experiments.tan2022.paired import Comparison
+from experiments.claims import Numbers
+from experiments.paper import Drawing
+from experiments.runs import Found
+from experiments.tan2022.episodes import Pair, Sailed
+from experiments.tan2022.measures import HYBRID, SHOWN, pairs_of
 from experiments.tan2022.published import METHODS, RADII, TABLE4
-from experiments.tan2022.readings import CASES
-from experiments.tan2022.tables import Shown
+from experiments.tan2022.readings import (
+    ALONG_DEMO,
+    ALONG_PRESET,
+    CAPS,
+    CASES,
+    DEMO,
+    MAIN,
+    PRESET,
+    Reading,
+)
+from experiments.tan2022.tables import Pairs, Shown, one_map, three_maps
 from usvjax import plots
 from usvjax.plots import style
 
-DPI = 130
 METRICS_DRAWN = ("time", "path_length")
 _BAR: dict[str, Any] = {"markersize": 3.5, "elinewidth": 0.9, "capsize": 2}
 
 
-def draw_maps(shown: Sequence[Shown], results: Results, name: str, folder: Path) -> list[Path]:
-    """Draw the maps of Figs. 2 to 7 under one reading.
-
-    Args:
-        shown: the maps.
-        results: of the episodes shown, for the legends.
-        name: of the reading, for titles and file names.
-        folder: to write to.
-
-    Returns:
-        The files, fig2_NAME.png to fig7_NAME.png.
-    """
-    chosen = [(run, entry.job) for entry in shown for run in entry.runs.values()]
-    tracks = iter(record(chosen))
-    files = []
-    for entry in shown:
-        trajectories = {method: next(tracks) for method in entry.runs}
-        some_run = entry.runs["improved"]
-        figure = plots.plot_paths(
-            obstacles(some_run, entry.job),
-            entry.case.radius,
-            trajectories,
-            trajectories["improved"][0, :2],
-            some_run.source.goal,  # type: ignore[attr-defined]
-            endings={m: _ending(results[run], entry.job) for m, run in entry.runs.items()},
-            goal_tolerance=float(some_run.params.goal_tolerance),
-            title=f"As Fig. {entry.figure}: rate {entry.case.rate:g}, map {entry.job}, {name}",
-        )
-        file = folder / f"fig{entry.figure}_{_slug(name)}.png"
-        files.append(plots.save(figure, file, dpi=DPI))
-    return files
+def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
+    """Draw all figures of the page."""
+    sailed = Sailed(found)
+    for reading in SHOWN:
+        pairs = pairs_of(sailed, reading)
+        for shown in (*one_map(pairs), *three_maps(pairs)):
+            yield _as_printed(sailed, reading, shown)
+    full = (*MAIN, ALONG_PRESET, ALONG_DEMO)
+    compared = {reading.label: pairs_of(sailed, reading) for reading in full}
+    compared[HYBRID] = pairs_of(sailed, DEMO, PRESET)
+    for label, pairs in compared.items():
+        yield from _distributions(label, pairs)
+    del compared[HYBRID]  # made of episodes that are there already
+    yield Drawing(
+        "endings",
+        "How the paired episodes ended under the readings whose numbers are given in full.",
+        _endings(compared),
+    )
+    yield Drawing(
+        "cap",
+        "Ratio of the mean times and success against the cap on dist, with 95 % intervals; n is "
+        "the number of maps that a ratio rests on. Published: the ratio of Table 4's averages.",
+        cap_figure(numbers["sensitivities"], CAPS),
+    )
 
 
-def _ending(episodes: Episodes, job: int) -> plots.Ending:
-    return plots.Ending(
-        status=int(episodes.status[job]),
-        time=float(episodes.time[job]),
-        path_length=float(episodes.path_length[job]),
+def _as_printed(sailed: Sailed, reading: Reading, shown: Shown) -> Drawing:
+    """One map in the layout of the paper's figure."""
+    replayed = {m: sailed.replay(reading, shown.case, m, [shown.job]) for m in METHODS}
+    some = replayed["improved"]
+    ground, tolerance = some.recording.grounds[0], some.scene.params.goal_tolerance
+    figure = plots.plot_paths(
+        ground.circles,
+        ground.radius,
+        {method: one.recording.tracks[0].places[:, 0] for method, one in replayed.items()},
+        ground.marks["start"][0],
+        ground.marks["goal"][0],
+        endings={
+            method: plots.Ending(
+                status=int(one.columns["status"][0]),
+                time=float(one.columns["time"][0]),
+                path_length=float(one.columns["path_length"][0]),
+            )
+            for method, one in replayed.items()
+        },
+        goal_tolerance=float(tolerance),
+        title=f"As Fig. {shown.figure}: rate {shown.case.rate:g}, {reading.label}",
+    )
+    return Drawing(
+        f"fig{shown.figure}_{_slug(reading.label)}",
+        f'As Fig. {shown.figure}, under "{reading.label}": obstacles of r = '
+        f"{shown.case.radius:g} m at rate {shown.case.rate:g}, map {shown.job}, the first of the "
+        "sequence that both methods cross.",
+        figure,
     )
 
 
@@ -68,51 +95,42 @@ def _slug(name: str) -> str:
     return "".join(letter if letter.isalnum() else "_" for letter in name)
 
 
-def draw_paired(
-    comparisons: Sequence[Comparison], results: Results, plan: Plan, folder: Path
-) -> list[Path]:
-    """Draw the distributions of every comparison, and the rates of every ending."""
-    tables = [_table(comparison, results, plan) for comparison in comparisons]
-    files = []
+def _distributions(label: str, pairs: Pairs) -> Iterator[Drawing]:
+    """Time and length on the maps that both cross; nothing where there is none."""
+    table = _table([pairs[case] for case in CASES])
+    if plots.both_reached(table).is_empty():
+        return
     labels = {i: f"r = {case.radius:g} m, rate {case.rate:g}" for i, case in enumerate(CASES)}
-    for comparison, table in zip(comparisons, tables, strict=True):
-        if plots.both_reached(table).is_empty():
-            continue
-        figure = plots.plot_distributions(
-            table, labels=labels, metrics=METRICS_DRAWN, title=comparison.label
-        )
-        file = folder / f"distributions_{_slug(comparison.label)}.png"
-        files.append(plots.save(figure, file, dpi=DPI))
-    single = [i for i, c in enumerate(comparisons) if c.traditional == c.improved]
-    shifted = [
-        tables[i].with_columns(pl.col("condition") + place * len(CASES))
-        for place, i in enumerate(single)
-    ]
-    names = {
-        place * len(CASES) + j: f"{comparisons[i].label}\nr = {case.radius:g} m"
-        for place, i in enumerate(single)
-        for j, case in enumerate(CASES)
-    }
-    figure = plots.plot_success(pl.concat(shifted), labels=names, title="Paired maps")
-    return [*files, plots.save(figure, folder / "endings.png", dpi=DPI)]
+    yield Drawing(
+        f"distributions_{_slug(label)}",
+        f'Time and path length under "{label}" on the maps where both methods succeed.',
+        plots.plot_distributions(
+            table, labels=labels, metrics=METRICS_DRAWN, title=label, mark="mean"
+        ),
+    )
 
 
-def _table(comparison: Comparison, results: Results, plan: Plan) -> pl.DataFrame:
-    """Return the episodes of one comparison as plots want them."""
-    frames = []
-    for condition, case in enumerate(CASES):
-        for method, episodes in comparison.episodes(results, plan, case).items():
-            columns = {
+def _endings(compared: Mapping[str, Pairs]) -> Figure:
+    """The rates of every ending, reading by reading."""
+    short = [label.replace(" the trajectory", "") for label in compared]
+    names = [f"{label}\nr = {case.radius:g} m" for label in short for case in CASES]
+    table = _table([pairs[case] for pairs in compared.values() for case in CASES])
+    return plots.plot_success(table, labels=dict(enumerate(names)), title="Paired maps")
+
+
+def _table(conditions: Sequence[Pair]) -> pl.DataFrame:
+    """Episodes as plots want them."""
+    return pl.concat(
+        pl.DataFrame(
+            {
                 "job": np.arange(len(episodes.status)),
                 "status": episodes.status,
                 **{metric: getattr(episodes, metric) for metric in METRICS_DRAWN},
             }
-            frames.append(
-                pl.DataFrame(columns).with_columns(
-                    pl.lit(condition).alias("condition"), pl.lit(method).alias("method")
-                )
-            )
-    return pl.concat(frames)
+        ).with_columns(pl.lit(condition).alias("condition"), pl.lit(method).alias("method"))
+        for condition, pair in enumerate(conditions)
+        for method, episodes in pair.items()
+    )
 
 
 @style.styled
@@ -120,7 +138,7 @@ def cap_figure(rows: Sequence[Mapping[str, Any]], caps: Mapping[str, str]) -> Fi
     """Draw time ratio and success against the cap on dist, one column per radius.
 
     Args:
-        rows: of `paired.sensitivities`.
+        rows: of the sensitivities.
         caps: label of a reading to its place on the axis, in the order wanted.
 
     Returns:
@@ -129,7 +147,7 @@ def cap_figure(rows: Sequence[Mapping[str, Any]], caps: Mapping[str, str]) -> Fi
     fig = style.new_figure(style.DOUBLE_MM, 105)
     axes = fig.subplots(2, len(RADII), sharex=True, sharey="row")
     for column, radius in enumerate(RADII):
-        found = {r["reading"]: r for r in rows if r["radius"] == radius}
+        found = {row["reading"]: row for row in rows if row["radius"] == radius}
         chosen = [found[label] for label in caps if label in found]
         _draw_ratio(axes[0, column], chosen, column)
         _draw_success(axes[1, column], chosen)
@@ -137,22 +155,28 @@ def cap_figure(rows: Sequence[Mapping[str, Any]], caps: Mapping[str, str]) -> Fi
         ticks = [caps[r["reading"]] for r in chosen]
         axes[1, column].set_xticks(range(len(ticks)), ticks)
         axes[1, column].set_xlim(-0.5, len(ticks) - 0.5)
-        axes[1, column].set_xlabel("cap on dist (m)")
+        axes[1, column].set_xlabel("cap on dist (m; 2r: twice the radius)")
     for row in axes:
         # The columns share this axis, so only now is known how far it has to go.
         row[0].set_ylim(bottom=0.0)
     axes[0, 0].set_ylabel("time ratio,\nimproved / traditional")
     axes[1, 0].set_ylabel("success (%)")
     looks = style.method_looks(METHODS)
-    handles = [style.method_handle(looks[method], f"{method}, success") for method in METHODS]
-    handles.append(
-        style.method_handle(style.Look(style.BLACK, "-", "D"), "time ratio, both succeed")
-    )
+    handles = [
+        _mark(looks[method].colour, looks[method].marker, f"{method}, success")
+        for method in METHODS
+    ]
+    handles.append(_mark(style.BLACK, "D", "time ratio, both succeed"))
     handles.append(
         style.method_handle(style.Look(style.VERMILLION, "--", ""), "published (Table 4)")
     )
     style.outside_legend(fig, handles, columns=2)
     return style.settle(fig)
+
+
+def _mark(colour: str, marker: str, label: str) -> Line2D:
+    """A legend's handle of what is drawn as marks without lines."""
+    return Line2D([], [], color=colour, marker=marker, linestyle="", markersize=4, label=label)
 
 
 def _draw_ratio(ax: Axes, rows: Sequence[Mapping[str, Any]], place: int) -> None:

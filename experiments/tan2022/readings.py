@@ -1,38 +1,31 @@
 """Ways to read what Tan et al. 2022 do not print: where obstacles stand, and how dist is taken."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from itertools import product
-from math import degrees, inf, pi
-from typing import Any
+from math import inf, pi
+from typing import Any, NamedTuple
 
-from experiments.tan2022.published import RADII
-from usvjax.missions.dwa.params import DwaParams, DwaStatic
-from usvjax.missions.dwa.scenes import DiscTable, LatticeTable, Source
+from experiments.tan2022.published import RADII, TABLE2, TABLE3
 
-FEW_MAPS = "trajectory"
-"""Clearance that looks at thirty points instead of one, and gets a fifth of the maps."""
+CLEAR = 2.0  # m, dist where no obstacle counts, unless a reading says otherwise
+NEVER = 1e6  # s, longer than an episode may last
 
 
-@dataclass(frozen=True)
-class Case:
-    """An obstacle radius and the rate that goes with it in the paper.
-
-    Attributes:
-        radius: of the expansion circles, m.
-        rate: obstacle rate.
-    """
+class Case(NamedTuple):
+    """An obstacle radius (m) and the obstacle rate that goes with it in the paper."""
 
     radius: float
     rate: float
 
 
-CASES = tuple(Case(radius, rate) for radius, rate in zip(RADII, (0.3, 0.3, 0.2), strict=True))
+CASES = tuple(map(Case, RADII, TABLE3.rates))
 """Of Tables 3 and 4."""
-ONE_MAP_CASES = tuple(Case(radius, 0.2) for radius in RADII)
+ONE_MAP_CASES = tuple(map(Case, RADII, TABLE2.rates))
 """Of Table 2: one map at three radii."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reading:
     """One way to fill in what the paper leaves open; the defaults are the preset's.
 
@@ -42,83 +35,93 @@ class Reading:
         cap: largest dist that counts, m.
         cap_in_radii: the same as a multiple of the obstacle radius; the smaller one holds.
         clear_distance: dist where no obstacle counts, m; never more than the cap.
-        clearance, normalise, braking: see `usvjax.missions.dwa.params.DwaStatic`.
-        v_min: m/s; Table 1 prints -1.
-        search_angle: phi, rad.
-        goal_tolerance: m.
-        start_heading: rad; towards the goal when None.
-        maps: "bernoulli", "count", "area" (what the rate is a share of, on lattice points 0 to
-            10), "inner" (bernoulli on 1 to 9) or "scattered" (100 times the rate discs anywhere).
         rate: in place of the case's.
+        scattered: whether obstacles are discs anywhere, 100 times the rate of them, instead of
+            standing on the points of a lattice.
+        changes: of a study's settings, by dotted key.
     """
 
     label: str
     group: str
     cap: float = inf
     cap_in_radii: float = inf
-    clear_distance: float = 2.0
-    clearance: str = "endpoint"
-    normalise: str = "sum"
-    braking: bool = True
-    v_min: float = -1.0
-    search_angle: float = pi / 3
-    goal_tolerance: float = 0.5
-    start_heading: float | None = None
-    maps: str = "bernoulli"
+    clear_distance: float = CLEAR
     rate: float | None = None
+    scattered: bool = False
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+    def but(
+        self, label: str, group: str, changes: Mapping[str, Any] | None = None, **own: Any
+    ) -> "Reading":
+        """The same with something else, named after this one; `changes` come on top of its own."""
+        label = f"{self.label}, {label}"
+        changes = {**self.changes, **(changes or {})}
+        return replace(self, label=label, group=group, changes=changes, **own)
+
+    def settings(self, case: Case, method: str) -> dict[str, Any]:
+        """What a study of the mission "dwa" is to be run with, by dotted key.
+
+        The traditional method has no search angle, and on these maps some obstacle always counts
+        for it, so it needs no dist for when none does: without them, readings that it cannot tell
+        apart share its episodes.
+        """
+        rate = case.rate if self.rate is None else self.rate
+        cap = min(self.cap, self.cap_in_radii * case.radius)
+        found = {"params.radius": case.radius}
+        if cap < inf:
+            found["params.clearance_cap"] = cap
+        clear = min(self.clear_distance, cap)
+        if method == "improved" and clear != CLEAR:
+            found["params.clear_distance"] = clear
+        if self.scattered:
+            found |= {"maps.source": "random", "maps.number": round(100 * rate)}
+        else:
+            found["maps.rate"] = rate
+        left_out = ["params.search_angle"] if method == "traditional" else []
+        return found | {k: v for k, v in self.changes.items() if k not in left_out}
 
     @property
-    def task(self) -> tuple[str, float | None, float | None, float]:
+    def task(self) -> tuple[object, ...]:
         """Maps, start and goal; methods can only be compared on the same task."""
-        return self.maps, self.rate, self.start_heading, self.goal_tolerance
-
-    def source(self, case: Case) -> Source:
-        """Return the generator of its maps."""
-        rate = case.rate if self.rate is None else self.rate
-        if self.maps == "scattered":
-            return DiscTable(number=round(100 * rate), start_heading=self.start_heading)
-        if self.maps == "inner":
-            return LatticeTable(rate=rate, lo=1, hi=9, start_heading=self.start_heading)
-        return LatticeTable(rate=rate, rate_meaning=self.maps, start_heading=self.start_heading)
-
-    def params(self, case: Case, method: str) -> DwaParams:
-        """Return the method's parameters.
-
-        The traditional method has no search angle, and on these maps some obstacle always
-        counts for it, so it needs no dist for when none does: those keep the preset's values,
-        and readings that differ in nothing else share its episodes.
-        """
-        cap = min(self.cap, self.cap_in_radii * case.radius)
-        numbers = {
-            "radius": case.radius,
-            "clearance_cap": cap,
-            "clear_distance": min(self.clear_distance, cap),
-            "v_min": self.v_min,
-            "search_angle": self.search_angle,
-            "goal_tolerance": self.goal_tolerance,
-        }
-        if method == "traditional":
-            numbers |= {"search_angle": pi / 3, "clear_distance": 2.0}
-        return DwaParams(**numbers)
-
-    def static(self, method: str) -> DwaStatic:
-        """Return the method's choices."""
-        return DwaStatic(
-            method=method,
-            clearance=self.clearance,
-            normalise=self.normalise,
-            braking=self.braking,
-        )
+        about = {k: v for k, v in self.changes.items() if k.startswith("maps.")}
+        tolerance = self.changes.get("params.goal_tolerance")
+        return self.rate, self.scattered, tuple(sorted(about.items())), tolerance
 
 
-PRESET = Reading("no cap", "preset")
-"""The library's preset "tan2022": no cap on dist, 2 m where no obstacle counts."""
+ALONG = {"static.clearance": "trajectory"}
+NORTH = {"maps.start_heading": pi / 2}
+FORWARD = {"params.v_min": 0.0}
+UNBRAKED = {"static.braking": False}
+
+PRESET = Reading("no cap", "clearance cap")
+"""The library's preset "tan2022": no cap on dist, taken at the end of the prediction."""
 DEMO = Reading("cap 2r", "clearance cap", cap_in_radii=2.0, clear_distance=inf)
 """The rule of the widely used demo that Table 1's numbers come from."""
-DEMO_START = replace(
-    DEMO, label="cap 2r, start 90 deg", group="start heading", start_heading=pi / 2
-)
+DEMO_START = DEMO.but("start 90 deg", "start heading", changes=NORTH)
 """That demo's rule and its start, which faces north instead of the goal."""
+
+
+def _numbers(
+    base: Reading, group: str, words: str, key: str, values: tuple[float, ...]
+) -> list[Reading]:
+    """Other values of one setting; `words` hold a place for them."""
+    return [base.but(words.format(v), group, changes={key: v}) for v in values]
+
+
+def _beside(base: Reading) -> list[Reading]:
+    """What is not printed either and may decide a verdict, about a reading of the cap."""
+    return [
+        base.but("along the trajectory", "dist taken", changes=ALONG),
+        *_numbers(base, "given up", "stuck within {:g} m", "params.stuck_distance", (0.5,)),
+        *_numbers(base, "start heading", "turned up to {:g} rad", "maps.start_jitter", (0.001,)),
+    ]
+
+
+MAIN = (PRESET, DEMO, DEMO_START)
+"""Readings that are run on all maps."""
+BESIDE = (*_beside(PRESET), *_beside(DEMO))
+"""Readings that count as much for verdicts, on fewer maps."""
+ALONG_PRESET, ALONG_DEMO = BESIDE[0], BESIDE[3]
 
 CAPS = {
     DEMO.label: "2r",
@@ -130,10 +133,9 @@ CAPS = {
 """Readings that differ in the cap alone, and what to call it."""
 
 
-def readings() -> list[Reading]:
-    """All readings of the sensitivity study, the preset first."""
-    found = [PRESET, DEMO]
-    found += [
+def sensitivities() -> list[Reading]:
+    """Readings that are varied one at a time, besides those that count for verdicts."""
+    found = [
         Reading(f"cap {cap:g} m", "clearance cap", cap=cap, clear_distance=cap)
         for cap in (1.0, 2.0, 5.0)
     ]
@@ -141,12 +143,12 @@ def readings() -> list[Reading]:
         Reading(f"no cap, clear {clear:g} m", "dist where none counts", clear_distance=clear)
         for clear in (0.5, 1.0, 5.0, 10.0)
     ]
-    return found + _forward() + _about(PRESET) + _about(DEMO) + _angles()
+    return found + _forward() + _about(PRESET) + _about(DEMO)
 
 
 def _forward() -> list[Reading]:
     """Vessels that may not sail astern, against Table 1."""
-    forward = Reading("", "no sailing astern (v_min = 0)", v_min=0.0)
+    forward = Reading("", "no sailing astern (v_min = 0)", changes=FORWARD)
     return [
         replace(forward, label="v_min 0, cap 2r", cap_in_radii=2.0, clear_distance=inf),
         replace(forward, label="v_min 0, cap 1 m", cap=1.0),
@@ -158,38 +160,56 @@ def _forward() -> list[Reading]:
 
 def _about(base: Reading) -> list[Reading]:
     """Everything that is varied one at a time, about one of two readings of the cap."""
-
-    def varied(label: str, group: str, **changes: Any) -> Reading:
-        return replace(base, label=f"{base.label}, {label}", group=group, **changes)
-
     return [
-        varied("dist along the trajectory", "dist taken", clearance="trajectory"),
-        varied("scores by range", "normalisation", normalise="range"),
-        varied("without Eq. 4", "braking bound", braking=False),
-        varied("start 90 deg", "start heading", start_heading=pi / 2),
-        *(
-            varied(f"goal tolerance {tolerance:g} m", "goal tolerance", goal_tolerance=tolerance)
-            for tolerance in (0.2, 1.0)
+        base.but("scores by range", "normalisation", changes={"static.normalise": "range"}),
+        base.but("without Eq. 4", "braking bound", changes=UNBRAKED),
+        *([base.but("start 90 deg", "start heading", changes=NORTH)] if base is PRESET else []),
+        *_numbers(
+            base, "goal tolerance", "goal within {:g} m", "params.goal_tolerance", (0.2, 1.0)
         ),
-        varied("exact count", "obstacle rate", maps="count"),
-        varied("share of area", "obstacle rate", maps="area"),
-        varied("lattice 1 to 9", "obstacle rate", maps="inner"),
-        varied("discs anywhere", "obstacle rate", maps="scattered"),
-        *(varied(f"rate {rate:g}", "obstacle rate", rate=rate) for rate in (0.05, 0.1, 0.2, 0.3)),
+        base.but("exact count", "obstacle rate", changes={"maps.rate_meaning": "count"}),
+        base.but("share of area", "obstacle rate", changes={"maps.rate_meaning": "area"}),
+        base.but("lattice 1 to 9", "obstacle rate", changes={"maps.lo": 1, "maps.hi": 9}),
+        base.but("discs anywhere", "obstacle rate", scattered=True),
+        *(base.but(f"rate {rate:g}", "obstacle rate", rate=rate) for rate in (0.05, 0.1, 0.2, 0.3)),
+        *(
+            base.but(
+                f"phi {degrees} deg",
+                "search angle",
+                changes={"params.search_angle": degrees * pi / 180},
+            )
+            for degrees in (30, 90)
+        ),
+        *_numbers(base, "given up", "stuck within {:g} m", "params.stuck_distance", (0.1, 0.2)),
+        base.but("nobody given up", "given up", changes={"params.stuck_time": NEVER}),
+        *(
+            base.but(f"until {seconds} s", "given up", changes={"static.max_steps": 10 * seconds})
+            for seconds in (80, 300)
+        ),
+        *_numbers(base, "start heading", "turned up to {:g} rad", "maps.start_jitter", (0.01, 0.1)),
+        *(
+            base.but(f"period {dt:g} s", "control period", changes=_period(dt))
+            for dt in (0.05, 0.2)
+        ),
+        *_numbers(base, "resolution", "speed step {:g} m/s", "params.v_step", (0.005, 0.02)),
+        *(
+            base.but(
+                f"yaw-rate step {degrees:g} deg/s",
+                "resolution",
+                changes={"params.w_step": degrees * pi / 180},
+            )
+            for degrees in (0.5, 2)
+        ),
     ]
 
 
-def _angles() -> list[Reading]:
-    return [
-        replace(
-            base,
-            label=f"{base.label}, phi {degrees(angle):.0f} deg",
-            group="search angle",
-            search_angle=angle,
-        )
-        for base in (PRESET, DEMO)
-        for angle in (pi / 6, pi / 2)
-    ]
+def _period(dt: float) -> dict[str, Any]:
+    """Another control period (s), with as long a prediction and as long episodes as before."""
+    return {
+        "params.dt": dt,
+        "static.horizon": round(3.0 / dt),
+        "static.max_steps": round(150.0 / dt),
+    }
 
 
 def combinations() -> list[Reading]:
@@ -199,23 +219,21 @@ def combinations() -> list[Reading]:
         **{f"cap {cap:g} m": {"cap": cap, "clear_distance": cap} for cap in (1.0, 2.0, 5.0)},
         "no cap": {},
     }
-    starts = {"": None, ", start 90 deg": pi / 2}
-    speeds = {"": -1.0, ", v_min 0": 0.0}
-    bounds = {"": True, ", without Eq. 4": False}
+    starts = {"": {}, ", start 90 deg": NORTH}
+    speeds = {"": {}, ", v_min 0": FORWARD}
+    bounds = {"": {}, ", without Eq. 4": UNBRAKED}
     return [
         Reading(
             cap + start + speed + bound,
             "combination",
-            start_heading=starts[start],
-            v_min=speeds[speed],
-            braking=bounds[bound],
+            changes={**starts[start], **speeds[speed], **bounds[bound]},
             **caps[cap],
         )
         for cap, start, speed, bound in product(caps, starts, speeds, bounds)
     ]
 
 
-def quick_readings() -> list[Reading]:
-    """A few readings that compile to few programs, for a quick look."""
+def quick_sensitivities() -> list[Reading]:
+    """A few that compile to no further programs, for a quick look."""
     names = ("cap 2 m", "v_min 0, no cap", "no cap, phi 30 deg", "no cap, rate 0.2")
-    return [PRESET, DEMO, *(reading for reading in readings() if reading.label in names)]
+    return [reading for reading in sensitivities() if reading.label in names]

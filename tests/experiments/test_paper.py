@@ -125,7 +125,7 @@ def test_a_paper_is_run_judged_written_and_not_run_twice(tmp_path, monkeypatch, 
     assert found["pace"]["runs"]["sailing: sailed"]["size"] == 8
     out, err = capsys.readouterr()
     assert "somebody2099: 8 episodes; how long it takes was never recorded" in err
-    assert "It flies (published: never): DOES NOT REPRODUCE" in out
+    assert "\nIt flies (published: never): DOES NOT REPRODUCE\n" in out
     assert "no: 7 s, 1" in out
     assert "\\n" not in out
 
@@ -133,7 +133,10 @@ def test_a_paper_is_run_judged_written_and_not_run_twice(tmp_path, monkeypatch, 
     shards = list((place_of("somebody2099", spec) / "sailed").rglob("*.parquet"))
     assert len(shards) == 2
     before = [shard.stat().st_mtime_ns for shard in shards]
+    (folder / "figures/notes.txt").write_text("mine")
     assert run("--quick") == 0
+    left = sorted(file.name for file in (folder / "figures").iterdir())
+    assert left == ["notes.txt", "steps.png"]
     assert [shard.stat().st_mtime_ns for shard in shards] == before
 
 
@@ -217,6 +220,7 @@ def test_the_record_is_written_only_when_asked_for(tmp_path, monkeypatch):
         (["--episodes", "0"], "--episodes: got 0; wanted at least 1"),
         (["--record", "--quick"], "--record writes the results"),
         (["--format", "gif"], "--format"),
+        (["--dpi", "0"], "--dpi is 0; 20 to 1200 was wanted"),
     ],
 )
 def test_options_that_cannot_be_used_are_one_line(args, words, tmp_path, monkeypatch, capsys):

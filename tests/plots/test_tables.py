@@ -77,6 +77,18 @@ def test_distributions_of_few_conditions_are_cumulative_curves():
     assert_inside(fig)
 
 
+def test_curves_are_marked_at_the_mean_where_that_is_asked_for():
+    table = make_table()
+    fig = plots.plot_distributions(table, mark="mean")
+    assert legend_texts(fig) == ["traditional (mark: mean)", "improved (mark: mean)"]
+    curve, mark = fig.axes[0].lines[:2]
+    (x,), (y,) = mark.get_xdata(), mark.get_ydata()
+    assert x == pytest.approx(np.mean(curve.get_xdata()))
+    assert y == pytest.approx((np.asarray(curve.get_xdata()) <= x).mean())
+    with pytest.raises(BadInputError, match="mark: got 'mode'"):
+        plots.plot_distributions(table, mark="mode")
+
+
 def test_distributions_of_many_conditions_are_boxes():
     fig = plots.plot_distributions(make_table(conditions=6), title="sweep")
     assert len(fig.axes) == 2

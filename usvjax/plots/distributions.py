@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 from numpy.typing import NDArray
 
+from usvjax.checks import one_of
 from usvjax.errors import BadInputError
 from usvjax.plots import inputs, style
 from usvjax.public import public
@@ -23,6 +24,7 @@ AXIS_LABELS: dict[str, str] = {
 }
 MOST_ECDF_COLUMNS = 4
 """With more conditions than this, boxes side by side read better than curves."""
+MARKS = ("median", "mean")
 BOX_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 BOXES = "boxes: quartiles and median, whiskers: 5th to 95th percentile"
 
@@ -65,13 +67,14 @@ def plot_distributions(
     labels: Mapping[int, str] | None = None,
     metrics: Sequence[str] = ("time", "path_length"),
     title: str | None = None,
+    mark: str = "median",
 ) -> Figure:
     """Draw how metrics are distributed over the episodes in which all methods reached.
 
     Up to four conditions are drawn as cumulative curves, one column each, with a dot at the
-    median; more are drawn as boxes (quartiles and median) with whiskers from the 5th to the
-    95th percentile. The axis ends at the 99th percentile of what is drawn, and says so where
-    that cuts a tail.
+    median or the mean; more are drawn as boxes (quartiles and median) with whiskers from the 5th
+    to the 95th percentile. The axis ends at the 99th percentile of what is drawn, and says so
+    where that cuts a tail.
 
     Args:
         table: one row per (condition, method, job) with columns job, condition, method,
@@ -79,14 +82,17 @@ def plot_distributions(
         labels: condition number to what it is, for titles.
         metrics: columns to draw, one row of axes each.
         title: title of the figure.
+        mark: "median" or "mean", what curves are marked at.
 
     Returns:
         The figure, 170 mm wide; the number of episodes is written with every condition.
 
     Raises:
-        BadInputError: a column is missing, or in no condition did all methods reach the goal.
+        BadInputError: a column is missing, another mark is asked for, or in no condition did all
+            methods reach the goal.
     """
     inputs.titles(title=title)
+    one_of("mark", mark, MARKS)
     labels = inputs.text_by("labels", labels)
     metrics = inputs.texts("metrics", metrics)
     inputs.check_table(table, dict.fromkeys(metrics, "a metric to draw"))
@@ -105,7 +111,7 @@ def plot_distributions(
             c: f"{style.folded(names[c], 26)}\nn = {reached:,} of {run:,}"
             for c, (reached, run) in counts.items()
         }
-        fig, handles = _ecdf_grid(kept, titles, metrics, methods)
+        fig, handles = _ecdf_grid(kept, titles, metrics, methods, mark)
     else:
         ticks = {c: f"{names[c]}, n={reached:,}/{run:,}" for c, (reached, run) in counts.items()}
         fig, handles = _box_rows(kept, ticks, metrics, methods)
@@ -126,7 +132,11 @@ def _values(table: pl.DataFrame, condition: int, method: str, metric: str) -> ND
 
 
 def _ecdf_grid(
-    table: pl.DataFrame, titles: Mapping[int, str], metrics: Sequence[str], methods: Sequence[str]
+    table: pl.DataFrame,
+    titles: Mapping[int, str],
+    metrics: Sequence[str],
+    methods: Sequence[str],
+    mark: str,
 ) -> tuple[Figure, list[Artist]]:
     # One condition stands with its metrics side by side, several have a row per metric.
     alone = len(titles) == 1
@@ -139,7 +149,7 @@ def _ecdf_grid(
             ax = axes[0, row] if alone else axes[row, column]
             samples = {m: _values(table, condition, m, metric) for m in methods}
             for method, sample in samples.items():
-                _ecdf(ax, sample, looks[method])
+                _ecdf(ax, sample, looks[method], mark)
             _cut_tail(ax, list(samples.values()))
             ax.set(xlabel=AXIS_LABELS.get(metric, metric), ylim=(0, 1.02))
             if row == 0 or alone:
@@ -148,18 +158,22 @@ def _ecdf_grid(
         ax.yaxis.set_major_formatter(PercentFormatter(xmax=1.0, symbol=""))
         ax.set_ylabel("episodes up to x (%)")
     handles: list[Artist] = [
-        style.method_handle(look, f"{m} (mark: median)") for m, look in looks.items()
+        style.method_handle(look, f"{m} (mark: {mark})") for m, look in looks.items()
     ]
     return fig, handles
 
 
-def _ecdf(ax: Axes, sample: NDArray[np.float64], look: style.Look) -> None:
+def _ecdf(ax: Axes, sample: NDArray[np.float64], look: style.Look, mark: str) -> None:
     if len(sample) == 0:
         return
     colour, line, marker = look
     share = np.arange(1, len(sample) + 1) / len(sample)
     ax.step(sample, share, where="post", color=colour, linestyle=line, zorder=look.zorder)
-    ax.plot(np.median(sample), 0.5, color=colour, marker=marker, markersize=4, zorder=4)
+    x, y = np.median(sample), 0.5
+    if mark == "mean":
+        x = sample.mean()
+        y = np.searchsorted(sample, x, side="right") / len(sample)
+    ax.plot(x, y, color=colour, marker=marker, markersize=4, zorder=4)
 
 
 def _cut_tail(ax: Axes, samples: Sequence[NDArray[np.float64]]) -> None:
