@@ -41,8 +41,9 @@ class Claim:
         published: its numbers.
         measure: from the numbers found and what a reading stands for to a finding.
         readings: ways to read the paper, by label, and what each gives to `measure`. All of them
-            count: a claim reproduces where it holds under all, and fails where under none. Of
-            many, those with the same words before a colon are counted together on the page.
+            count: a claim reproduces where it is shown to hold under all, and fails where it is
+            shown not to hold under any. Of many, those with the same words before a colon are
+            counted together on the page.
         beside: readings that stand beside these and do not count, such as what was chosen after
             the fact to come near to this very claim.
         test: how it is decided, and with what probability a true claim would fail; one sentence.
@@ -94,13 +95,32 @@ def _judged(claim: Claim, numbers: Numbers) -> Verdict:
 
 
 def weigh(findings: Sequence[Finding]) -> str:
-    """What the findings under all readings that count come to."""
-    known = [finding.holds for finding in findings if finding.holds is not None]
-    if not known:
+    """What the findings under all readings that count come to; one that is open leaves it open."""
+    known = {finding.holds for finding in findings}
+    if {True, False} <= known:
+        return DEPENDS
+    if None in known or not known:
         return OPEN
-    if all(known):
-        return REPRODUCES
-    return DEPENDS if any(known) else FAILS
+    return REPRODUCES if True in known else FAILS
+
+
+def below(figure: Mapping[str, Any], bound: float = 0.0) -> bool | None:
+    """Whether a figure lies below a bound with its whole interval.
+
+    Returns:
+        False where it lies above with all of it; None where the interval holds the bound, or
+        there is none.
+    """
+    low, high = figure["low"], figure["high"]
+    if low is None or high is None:
+        return None
+    return True if high < bound else False if low > bound else None
+
+
+def above(figure: Mapping[str, Any], bound: float = 0.0) -> bool | None:
+    """Whether a figure lies above a bound with its whole interval; see `below`."""
+    found = below(figure, bound)
+    return None if found is None else not found
 
 
 def summary(verdicts: Sequence[Verdict]) -> list[str]:

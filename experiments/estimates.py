@@ -40,6 +40,21 @@ def share(which: np.ndarray) -> dict[str, Any]:
     return asdict(wilson(int(which.sum()), len(which), LEVEL))
 
 
+def rank_p(values: np.ndarray, printed: float, alike: float = 0.0) -> float:
+    """Two-sided p of the place that a printed value takes among ours, as one value more.
+
+    If it were drawn as ours were, p would be that small with a probability of p at most, whatever
+    the distribution.
+
+    Args:
+        values: float[n].
+        printed: the value.
+        alike: values so near to it count as equal.
+    """
+    sides = (values <= printed + alike, values >= printed - alike)
+    return min(1.0, 2.0 * min(1 + int(side.sum()) for side in sides) / (len(values) + 1))
+
+
 def spread(values: np.ndarray) -> dict[str, float | None]:
     """Mean, 2.5 and 97.5 % quantiles of values."""
     if not len(values):

@@ -53,21 +53,25 @@ def forecast(paper: str, runs: Mapping[str, Run]) -> str:
         paper: its name.
         runs: everything to run, by name.
     """
-    sizes = {name: run.size for name, run in runs.items()}
     episodes = sum(run.size for run in runs.values() if isinstance(run, Study))
     what = f"{paper}: {episodes:,} episodes" if episodes else paper
     known = _recorded(paper)
-    if known is None or set(runs) - set(known["runs"]):
+    if known is None:
         return f"{what}; how long it takes was never recorded"
     scale = yardstick() / known["yardstick"]
-    total = 0.0
-    for name, run in runs.items():
-        if isinstance(run, Study) and _is_there(paper, run):
-            continue
-        own = known["runs"][name]
-        share = sizes[name] / own["size"] if own["size"] else 1.0
-        total += max(scale * own["seconds"] * share, LEAST)
+    total = sum(
+        max(scale * each * run.size, LEAST)
+        for name, run in runs.items()
+        for each in [_seconds_each(known["runs"], name)]
+        if not (isinstance(run, Study) and _is_there(paper, run))
+    )
     return f"{what}; about {duration(total)} here, and compilation where it is the first time"
+
+
+def _seconds_each(recorded: Mapping[str, Any], name: str) -> float:
+    """Seconds of the record for each thing that a run does; for an unknown run those of all."""
+    chosen = [recorded[name]] if name in recorded else recorded.values()
+    return sum(one["seconds"] for one in chosen) / max(sum(one["size"] for one in chosen), 1)
 
 
 def _is_there(paper: str, run: Study) -> bool:

@@ -7,7 +7,9 @@ what to measure, and a `__main__.py` that hands a `Paper` to `main`.
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -19,7 +21,7 @@ from rich.text import Text
 from experiments import claims, output, pace, page
 from experiments.claims import Check, Claim, Numbers, Verdict
 from experiments.runs import Found, Run, carry_out
-from usvjax.cli import usage_in_one_line
+from usvjax.cli import as_command, usage_in_one_line
 from usvjax.cli.console import complain, room, show, show_line, use_any_encoding
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.pictures import SUFFIXES, check_dpi
@@ -183,14 +185,15 @@ def main(paper: Paper, argv: Sequence[str] | None = None) -> int:
     begun = monotonic()
     complain(pace.forecast(paper.name, _named(paper, runs)))
     try:
-        done, took = _computed(paper, runs, folder / "figures", options)
+        with TemporaryDirectory(prefix=".", dir=folder) as drawn:
+            done, took = _computed(paper, runs, Path(drawn), options)
+            sizes = {name: run.size for name, run in _named(paper, runs).items()}
+            written = _written(paper, options, done, pace.record(took, sizes), Path(drawn), folder)
     except StudyStoppedError as stop:
         raise KeyboardInterrupt(
             f"stopped with {stop.done:,} of {stop.total:,} episodes of a study on disk; the same "
             "command continues"
         ) from None
-    sizes = {name: run.size for name, run in _named(paper, runs).items()}
-    written = _written(paper, options, done, pace.record(took, sizes), folder)
     for one in done:
         show_line(Text(terminal(claims.section(one.verdicts), room())))
     show(f"All of it took {monotonic() - begun:,.0f} s.")
@@ -232,16 +235,17 @@ def _computed(
 
 
 def _written(
-    paper: Paper, options: Options, done: Sequence[Done], paced: dict[str, Any], folder: Path
+    paper: Paper,
+    options: Options,
+    done: Sequence[Done],
+    paced: dict[str, Any],
+    drawn: Path,
+    folder: Path,
 ) -> list[Path]:
-    """Write the page and the numbers; returns all files, figures too.
+    """Write the page and the numbers, and put the figures beside them; returns all files.
 
-    Figures of an earlier page that this one does not name are removed.
+    All of it together, so that a page never stands beside figures of other numbers.
     """
-    named = {name for one in done for name, _ in one.drawings}
-    for file in (folder / "figures").glob("*"):
-        if file.suffix in SUFFIXES and file.name not in named:
-            file.unlink()
     found = {
         "format": 3,
         "settings": page.settings(options),
@@ -250,11 +254,18 @@ def _written(
         "arithmetic": [page.as_json(check) for check in paper.checks()],
         "pace": paced,
     }
-    return [
+    figures = folder / "figures"
+    figures.mkdir(exist_ok=True)
+    named = [name for one in done for name, _ in one.drawings]
+    files = [
         output.write_text(folder / "README.md", markdown(page.page(paper, done))),
         output.write_json(folder / "results.json", found),
-        *(folder / "figures" / name for one in done for name, _ in one.drawings),
+        *((drawn / name).replace(figures / name) for name in named),
     ]
+    for file in figures.iterdir():
+        if file.suffix in SUFFIXES and file.name not in named:
+            file.unlink()  # of an earlier page
+    return files
 
 
 def run_as_program(paper: Paper) -> None:
@@ -262,4 +273,4 @@ def run_as_program(paper: Paper) -> None:
     from usvjax.devices import use_compilation_cache
 
     use_compilation_cache()
-    sys.exit(main(paper))
+    sys.exit(as_command(partial(main, paper), whole=True))

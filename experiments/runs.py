@@ -12,15 +12,17 @@ from typing import Any
 import numpy as np
 import polars as pl
 
-import usvjax as uj
 from usvjax.cli.console import Meter, StudyMeter
 from usvjax.mission import Replayed
 from usvjax.study.code import code_digest
 from usvjax.study.reader import Run as StudyRun
 from usvjax.study.reader import load_run
 from usvjax.study.replay import Replay
+from usvjax.study.shards import find_shards
 from usvjax.study.spec import StudySpec, parse_spec
 from usvjax.study.study import run_study
+from usvjax.study.timings import TIMINGS
+from usvjax.study.versions import COMPARED, environment
 
 FOLDER = Path("runs/reproduce")
 """Where the runs of studies are kept: under the paper's name, by what they depend on."""
@@ -139,10 +141,18 @@ def carry_out(paper: str, runs: Mapping[str, Run]) -> tuple[Found, dict[str, flo
         begun = monotonic()
         if isinstance(run, Study):
             studies[name] = _studied(paper, name, run.spec)
+            seconds[name] = _seconds(studies[name])
         else:
             made[name] = _called(f"{paper}: {name}", run)
-        seconds[name] = monotonic() - begun
+            seconds[name] = monotonic() - begun
     return Found(studies, made), seconds
+
+
+def _seconds(ran: Ran) -> float:
+    """What a study took, in however many sessions; those that were killed left no times."""
+    known = json.loads((ran.path / TIMINGS).read_text(encoding="utf-8"))
+    share = len(known["units"]) / len(find_shards(ran.path, ran.spec.layout))
+    return float(known["device_seconds"]) / len(known["devices"]) / max(share, 1e-9)
 
 
 def _called(what: str, call: Call) -> Any:
@@ -155,8 +165,9 @@ def _called(what: str, call: Call) -> Any:
 
 
 def place_of(paper: str, spec: StudySpec) -> Path:
-    """Folder of a study's run: another one for other settings or other code."""
-    known = {"study": spec.canonical(), "code": code_digest(spec.mission), "usvjax": uj.__version__}
+    """Folder of a study's run: another one for other settings, code, versions or devices."""
+    made = environment(code_digest(spec.mission))
+    known = {"study": spec.canonical(), **{name: made[name] for name in COMPARED}}
     digest = sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()[:12]
     return FOLDER / paper / digest
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from experiments import claims, output, pace, page
+from experiments import claims, estimates, output, pace, page
 from experiments.claims import Check, Claim, Finding, judge, weigh
 from experiments.output import RESULTS, results_folder, rounded
 from experiments.paper import Absent, Drawing, Options, Paper, Part, main
@@ -148,7 +148,7 @@ def test_how_long_it_takes_is_scaled_from_the_record(tmp_path, monkeypatch):
     assert pace.forecast("p", wanted) == "p; how long it takes was never recorded"
     (tmp_path / "p").mkdir()
     for runs, words in (
-        ({"a": (10.0, 20)}, "p; how long it takes was never recorded"),
+        ({"other": (10.0, 20)}, "p; about 62 s here"),  # by what each took there
         ({"a": (10.0, 20), "b": (0.1, 1)}, "p; about 62 s here"),  # 3 / 1 * 10 * 40 / 20, and 2
         ({"a": (20.0, 20), "b": (0.1, 1)}, "p; about 2 min here"),
     ):
@@ -159,15 +159,37 @@ def test_how_long_it_takes_is_scaled_from_the_record(tmp_path, monkeypatch):
 
 
 def test_verdicts():
-    assert weigh([YES, NEITHER]) == "reproduces"
-    assert weigh([YES, NO]) == "depends on the reading"
+    assert weigh([YES, YES]) == "reproduces"
     assert weigh([NO, NO]) == "does not reproduce"
-    assert weigh([NEITHER]) == "undecided"
+    assert weigh([YES, NO]) == weigh([YES, NEITHER, NO]) == "depends on the reading"
+    for one_open in ([NEITHER], [YES, NEITHER], [NO, NEITHER], []):
+        assert weigh(one_open) == "undecided"
     readings = {"a": YES, "b": YES}
     weak = Claim("c", "p", lambda n, given: given, readings, {"d": NO}, weak=True)
     (verdict,) = judge([weak], {})
     assert verdict.verdict == "not excluded"
     assert claims.sheet([verdict]).rows[0][3:] == ["yes: n", "yes: n", "no: n"]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "wanted"),
+    [(-2.0, -0.1, True), (0.1, 2.0, False), (-1.0, 1.0, None), (None, None, None), (-1, 0, None)],
+)
+def test_a_figure_lies_below_a_bound_with_all_of_its_interval(low, high, wanted):
+    figure = {"value": 0.0, "low": low, "high": high}
+    assert claims.below(figure) is wanted
+    assert claims.above(figure) is (None if wanted is None else not wanted)
+
+
+def test_the_rank_of_what_is_printed_excludes_at_its_level():
+    assert estimates.rank_p(np.arange(1.0, 100.0), 0.0) == 0.02
+    assert estimates.rank_p(np.arange(1.0, 100.0), 50.0) == 1.0
+    assert estimates.rank_p(np.arange(1.0, 100.0), 2.0) == 0.06
+    rng = np.random.default_rng(0)
+    for n in (10, 39, 200):
+        drawn = rng.normal(size=(2000, n + 1))
+        excluded = np.mean([estimates.rank_p(row[1:], row[0]) < 0.05 + 1e-9 for row in drawn])
+        assert excluded < 0.05 + 0.015
 
 
 def test_readings_of_a_kind_are_counted_together():

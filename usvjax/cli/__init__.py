@@ -108,20 +108,28 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit code. `--help` leaves through SystemExit instead.
     """
-    whole = args is None
     given = list(sys.argv[1:] if args is None else args)
+    return as_command(partial(_dispatch, given), whole=args is None)
+
+
+def as_command(call: Callable[[], int], whole: bool) -> int:
+    """Call what a command does, and turn what goes wrong into one line and an exit code.
+
+    Args:
+        call: does it, and returns the exit code.
+        whole: whether the process ends with it.
+    """
     with process.stopped_by_signals(to_the_end=whole):
         if whole:
             process.prepare()
-        code = _answered(given)
+        code = _answered(call)
     if whole and code > process.EXIT_SIGNAL:
         # Threads may be in the midst of episodes, which Python would wait for or trip over.
         os._exit(code)
     return code
 
 
-def _answered(given: list[str]) -> int:
-    """Run a command and turn what goes wrong into one line and an exit code."""
+def _answered(call: Callable[[], int]) -> int:
     from usvjax.cli.console import use_any_encoding
     from usvjax.errors import BadInputError, BadTypeError
 
@@ -129,7 +137,7 @@ def _answered(given: list[str]) -> int:
     try:
         try:
             with naming_the_platform():
-                return _dispatch(given)
+                return call()
         finally:
             process.flush()
     except (BadInputError, BadTypeError) as error:

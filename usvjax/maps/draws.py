@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.ambient import pinned
 from usvjax.keys import seed_key
 
 _BLOCK = 64
@@ -27,6 +28,7 @@ class Stream(IntEnum):
     HEADINGS = 3
 
 
+@pinned()
 def uniform_fields(seed: int, jobs: np.ndarray, count: int) -> np.ndarray:
     """Uniform numbers in [0, 1), float64[J, count], row j from `fold_in(key(seed), jobs[j])`.
 
