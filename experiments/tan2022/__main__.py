@@ -58,16 +58,21 @@ def runs(options: TanOptions) -> dict[str, Study]:
         raise BadInputError(f"--episodes: got {maps}; wanted at least 1 map per radius")
     maps = maps or (QUICK if options.quick else MAPS)
     many, few, varied, ranked = (min(maps, most) for most in (MANY, FEW, VARIED, RANKED))
-    counted = [(few if one in (ALONG_PRESET, ALONG_DEMO) else many, one) for one in COUNTED]
+    counted = [
+        ("along the trajectory", few, one)
+        if one in (ALONG_PRESET, ALONG_DEMO)
+        else ("others that count", many, one)
+        for one in COUNTED
+    ]
     cases = (*CASES, *ONE_MAP_CASES)
     alone = quick_sensitivities() if options.quick else sensitivities()
     combined = [] if options.quick else combinations()
     return studies(
         [
-            *(Asked(maps, reading, case) for reading in MAIN for case in CASES),
-            *(Asked(count, reading, case) for count, reading in counted for case in cases),
-            *(Asked(varied, reading, case) for reading in alone for case in CASES),
-            *(Asked(ranked, reading, case) for reading in combined for case in CASES),
+            *(Asked("main readings", maps, reading, case) for reading in MAIN for case in CASES),
+            *(Asked(*which, case) for which in counted for case in cases),
+            *(Asked("varied", varied, reading, case) for reading in alone for case in CASES),
+            *(Asked("ranked", ranked, reading, case) for reading in combined for case in CASES),
         ]
     )
 

@@ -16,12 +16,13 @@ _TABLE_TEST = (
     "the printed values against tables drawn from our own maps on which both methods succeed, {} "
     "per value, all values together, by the one farthest off in standard deviations; a true table "
     f"is excluded with probability {_ERROR}, and the verdict says so only if every reading "
-    f"excludes it; one with fewer than {LEAST_MAPS} such maps has a dash and does not count."
+    f"excludes it; one with fewer than {LEAST_MAPS} such maps has a dash and leaves the claim open."
 )
 _BETTER_TEST = (
     "yes where the improved method is shown to be better at every radius, no where it is shown to "
-    "be worse at one (t-test of the differences map by map, on maps where both succeed); "
-    f"a true claim fails with probability {_ERROR} at most, by Holm over all comparisons."
+    "be worse at one (t-test of the differences map by map, on maps where both succeed, "
+    f"{LEAST_MAPS} or more of them); a true claim fails with probability {_ERROR} at most, by Holm "
+    "over all comparisons."
 )
 _RATE_TEST = (
     "yes where the rate is shown to be better at every radius, no where it is shown to be worse at "
@@ -30,11 +31,10 @@ _RATE_TEST = (
 )
 _GROWTH_TEST = (
     "yes where the mean share by which the path is shortened is shown to grow at both steps from "
-    "radius to radius, no where it is shown to fall at one (z-tests, maps paired); a true claim "
-    f"fails with probability {_ERROR} at most."
+    "radius to radius, no where it is shown to fall at one (t-tests, maps paired, where both "
+    f"methods succeed on {LEAST_MAPS} maps or more at either radius); a true claim fails with "
+    f"probability {_ERROR} at most: two tests, each of which may fail on one side only."
 )
-_Z = 1.96
-"""Two steps, each of which may fail on one side only: 2 x 2.5 % is at most `ALPHA`."""
 
 
 def claims(numbers: Numbers) -> list[Claim]:
@@ -131,18 +131,22 @@ def _grows(numbers: Numbers, label: str) -> Finding:
     steps = numbers["paired"][label]["growth"]
     changes = [_mean_change(case, "path_length") for case in _cases(numbers, label)]
     told = listed([None if c is None else -c for c in changes], 1, 100) + " %"
-    if None in steps:
-        return Finding(None, told)
-    z = [step["z"] for step in steps]
-    holds = True if min(z) > _Z else False if min(z) < -_Z else None
-    return Finding(holds, f"{told}; z = {listed(z, 1, sign=True)}")
+    words = [_shown(step["gain"], step["p"]) if step else "-" for step in steps]
+    t = listed([step and step["t"] for step in steps], 1, sign=True)
+    return Finding(_holds(words), f"{told}; t = {t}")
 
 
 def _superior(metric: str, numbers: Numbers, label: str) -> Finding:
     """Hold when the metric is better at each radius."""
     gain = 1 if metric == "mean_speed" else -1
-    compared = [case["metrics"][metric] for case in _cases(numbers, label)]
-    words = [_shown(gain * c["difference"]["value"], c["p_t_holm"]) if c else "-" for c in compared]
+    cases = _cases(numbers, label)
+    compared = [case["metrics"][metric] for case in cases]
+    words = [
+        _shown(gain * of["difference"]["value"], of["p_t_holm"])
+        if case["both"] >= LEAST_MAPS
+        else "too few maps"
+        for case, of in zip(cases, compared, strict=True)
+    ]
     shares = [None if c is None else c["change_of_means"] for c in compared]
     return _at_every_radius(words, f"{listed(shares, 1, 100, sign=True)} %")
 
@@ -161,12 +165,16 @@ def _rate(name: str, ending: str, gain: int, numbers: Numbers, label: str) -> Fi
 
 
 def _shown(gain: float, p: float | None) -> str:
-    """What a test shows of one radius."""
+    """What a test shows of one comparison."""
     if p is None or p >= ALPHA:
         return "not shown"
     return "better" if gain > 0 else "worse"
 
 
 def _at_every_radius(words: Sequence[str], told: str) -> Finding:
-    holds = False if "worse" in words else True if set(words) == {"better"} else None
-    return Finding(holds, f"{told} ({', '.join(words)})")
+    return Finding(_holds(words), f"{told} ({', '.join(words)})")
+
+
+def _holds(words: Sequence[str]) -> bool | None:
+    """What a claim comes to that wants every comparison to be better."""
+    return False if "worse" in words else True if set(words) == {"better"} else None

@@ -17,8 +17,14 @@ SHARD = 2000
 
 
 class Asked(NamedTuple):
-    """Episodes 0 to maps - 1 of both methods under a reading, at one radius."""
+    """Episodes 0 to maps - 1 of both methods under a reading, at one radius.
 
+    Attributes:
+        role: what they are for, the same word at any size; what is asked for one role is asked on
+            as many maps.
+    """
+
+    role: str
     maps: int
     reading: Reading
     case: Case
@@ -60,23 +66,24 @@ Pair = Mapping[str, Episodes]
 
 
 def studies(asked: Iterable[Asked]) -> dict[str, Study]:
-    """What to run: a study per number of maps and method, since a method's own conditions differ.
+    """What to run: a study per role and method, since a method's own conditions differ.
 
     Of conditions that a method cannot tell apart one is run, on as many maps as any of them is
-    asked for. There is one seed: job j is the same map everywhere.
+    asked for, in the role that asks for them first. There is one seed: job j is the same map
+    everywhere.
     """
-    most: dict[tuple[str, str], tuple[int, dict[str, Any]]] = {}
-    for maps, reading, case in asked:
+    most: dict[tuple[str, str], tuple[int, str, dict[str, Any]]] = {}
+    for role, maps, reading, case in asked:
         for method in METHODS:
             settings = reading.settings(case, method)
             key = method, label_of(settings)
             if key not in most or most[key][0] < maps:
-                most[key] = maps, settings
-    conditions: dict[tuple[int, str], list[dict[str, Any]]] = {}
-    for (method, label), (maps, settings) in most.items():
-        conditions.setdefault((maps, method), []).append({"label": label, **settings})
+                most[key] = maps, role, settings
+    conditions: dict[tuple[int, str, str], list[dict[str, Any]]] = {}
+    for (method, label), (maps, role, settings) in most.items():
+        conditions.setdefault((maps, role, method), []).append({"label": label, **settings})
     return {
-        f"{method}, {maps:,} maps": Study(
+        f"{method}, {role}": Study(
             {
                 "name": method,
                 "kind": "dwa",
@@ -87,7 +94,7 @@ def studies(asked: Iterable[Asked]) -> dict[str, Study]:
                 "conditions": own,
             }
         )
-        for (maps, method), own in conditions.items()
+        for (maps, role, method), own in conditions.items()
     }
 
 

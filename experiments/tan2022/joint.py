@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 ALPHA = 0.05
-LEAST_MAPS = 40
-"""Of the maps that tables are drawn from: with fewer, the error would not be about `ALPHA`."""
+LEAST_MAPS = 60
+"""On which both methods succeed: with fewer, the error would not be about `ALPHA` for values as
+skewed as ours (in a simulation 7.7 % of true tables of single maps at 40, 5.7 % at 60)."""
 MOST_MAPS = 1000
 """That are made use of; more tell nothing more."""
 TABLES = 1000

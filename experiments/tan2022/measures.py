@@ -6,7 +6,7 @@ from typing import Any
 from experiments.runs import Found
 from experiments.tan2022.arithmetic import cap_bounds
 from experiments.tan2022.episodes import Sailed
-from experiments.tan2022.paired import compare, sensitivity
+from experiments.tan2022.paired import compare, sensitivity, slower
 from experiments.tan2022.published import METHODS
 from experiments.tan2022.ranking import ranking
 from experiments.tan2022.readings import (
@@ -15,6 +15,7 @@ from experiments.tan2022.readings import (
     CASES,
     DEMO,
     MAIN,
+    NO_ASTERN,
     ONE_MAP_CASES,
     PRESET,
     Reading,
@@ -51,6 +52,7 @@ def measure(found: Found) -> dict[str, Any]:
         "tables": {reading.label: _tables(compared[reading.label]) for reading in SHOWN},
         "paired": paired,
         "sensitivities": _sensitivities(sailed),
+        "astern": _astern(sailed),
         "ranking": _ranking(sailed),
         "cap_bounds": [asdict(bound) for bound in cap_bounds()],
     }
@@ -78,6 +80,14 @@ def _sensitivities(sailed: Sailed) -> list[dict[str, Any]]:
         sensitivity(reading, case, sailed.pair(reading, case))
         for reading in sorted(readings, key=lambda one: groups.index(one.group))
         if _was_run(sailed, reading)
+        for case in CASES
+    ]
+
+
+def _astern(sailed: Sailed) -> list[dict[str, Any]]:
+    """What sailing astern costs the improved method without a cap, radius by radius."""
+    return [
+        slower(*(sailed.one(reading, case, "improved") for reading in (NO_ASTERN, PRESET)))
         for case in CASES
     ]
 

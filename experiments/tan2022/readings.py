@@ -92,6 +92,10 @@ ALONG = {"static.clearance": "trajectory"}
 NORTH = {"maps.start_heading": pi / 2}
 FORWARD = {"params.v_min": 0.0}
 UNBRAKED = {"static.braking": False}
+FINE = {"params.stuck_distance": 105.25 * 0.0005}
+"""Goes with a control period or a speed step half as long: by 0.0005 m a straight course at one
+speed step grows then, and the preset's 0.0525 m is 105 of these, which leaves it to rounding who is
+stuck."""
 
 PRESET = Reading("no cap", "clearance cap")
 """The library's preset "tan2022": no cap on dist, taken at the end of the prediction."""
@@ -122,6 +126,8 @@ MAIN = (PRESET, DEMO, DEMO_START)
 BESIDE = (*_beside(PRESET), *_beside(DEMO))
 """Readings that count as much for verdicts, on fewer maps."""
 ALONG_PRESET, ALONG_DEMO = BESIDE[0], BESIDE[3]
+NO_ASTERN = Reading("v_min 0, no cap", "no sailing astern (v_min = 0)", changes=FORWARD)
+"""The preset's reading, but for vessels that may not sail astern."""
 
 CAPS = {
     DEMO.label: "2r",
@@ -148,13 +154,12 @@ def sensitivities() -> list[Reading]:
 
 def _forward() -> list[Reading]:
     """Vessels that may not sail astern, against Table 1."""
-    forward = Reading("", "no sailing astern (v_min = 0)", changes=FORWARD)
     return [
-        replace(forward, label="v_min 0, cap 2r", cap_in_radii=2.0, clear_distance=inf),
-        replace(forward, label="v_min 0, cap 1 m", cap=1.0),
-        replace(forward, label="v_min 0, cap 2 m", cap=2.0),
-        replace(forward, label="v_min 0, no cap"),
-        replace(forward, label="v_min 0, no cap, clear 5 m", clear_distance=5.0),
+        replace(NO_ASTERN, label="v_min 0, cap 2r", cap_in_radii=2.0, clear_distance=inf),
+        replace(NO_ASTERN, label="v_min 0, cap 1 m", cap=1.0),
+        replace(NO_ASTERN, label="v_min 0, cap 2 m", cap=2.0),
+        NO_ASTERN,
+        replace(NO_ASTERN, label="v_min 0, no cap, clear 5 m", clear_distance=5.0),
     ]
 
 
@@ -180,7 +185,7 @@ def _about(base: Reading) -> list[Reading]:
             )
             for degrees in (30, 90)
         ),
-        *_numbers(base, "given up", "stuck within {:g} m", "params.stuck_distance", (0.1, 0.2)),
+        *_numbers(base, "given up", "stuck within {:g} m", "params.stuck_distance", (0.1, 0.21)),
         base.but("nobody given up", "given up", changes={"params.stuck_time": NEVER}),
         *(
             base.but(f"until {seconds} s", "given up", changes={"static.max_steps": 10 * seconds})
@@ -188,10 +193,13 @@ def _about(base: Reading) -> list[Reading]:
         ),
         *_numbers(base, "start heading", "turned up to {:g} rad", "maps.start_jitter", (0.01, 0.1)),
         *(
-            base.but(f"period {dt:g} s", "control period", changes=_period(dt))
-            for dt in (0.05, 0.2)
+            base.but(f"period {dt:g} s", "control period", changes=_period(dt) | stuck)
+            for dt, stuck in ((0.05, FINE), (0.2, {}))
         ),
-        *_numbers(base, "resolution", "speed step {:g} m/s", "params.v_step", (0.005, 0.02)),
+        *(
+            base.but(f"speed step {by:g} m/s", "resolution", changes={"params.v_step": by} | stuck)
+            for by, stuck in ((0.005, FINE), (0.02, {}))
+        ),
         *(
             base.but(
                 f"yaw-rate step {degrees:g} deg/s",
@@ -235,5 +243,5 @@ def combinations() -> list[Reading]:
 
 def quick_sensitivities() -> list[Reading]:
     """A few that compile to no further programs, for a quick look."""
-    names = ("cap 2 m", "v_min 0, no cap", "no cap, phi 30 deg", "no cap, rate 0.2")
+    names = ("cap 2 m", NO_ASTERN.label, "no cap, phi 30 deg", "no cap, rate 0.2")
     return [reading for reading in sensitivities() if reading.label in names]

@@ -5,10 +5,11 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy import stats
 
 from experiments.tan2022.arithmetic import HALF_UNIT, WORDS, shares
 from experiments.tan2022.episodes import Pair, both_reached, common_table, per_map_change
-from experiments.tan2022.joint import Values, table_test
+from experiments.tan2022.joint import LEAST_MAPS, Values, table_test
 from experiments.tan2022.published import (
     METHODS,
     METRICS,
@@ -159,13 +160,14 @@ def _printed(table: PublishedTable, place: int) -> tuple[np.ndarray, list[str]]:
 
 
 def growth(pairs: Pairs) -> list[dict[str, float] | None]:
-    """How much more the path is shortened at a radius than at the one before, in standard errors.
+    """How much more the path is shortened at a radius than at the one before, by a t-test.
 
-    All radii draw the same maps, so a map counts for both sides of a difference.
+    All radii draw the same maps, so a map counts for both sides of a difference. Each radius has
+    common successes of its own; the degrees of freedom are those of the fewer.
 
     Returns:
-        "gain" (a share of the length) and "z" per step from radius to radius; None where one of
-        them has fewer than two common successes.
+        "gain" (a share of the length), "t" and two-sided "p" per step from radius to radius; None
+        where one of them has fewer than `LEAST_MAPS` common successes, or nothing varies.
     """
     steps = []
     for before, after in pairwise(CASES):
@@ -175,17 +177,22 @@ def growth(pairs: Pairs) -> list[dict[str, float] | None]:
             continue
         error = float(np.sqrt(((large[1] - small[1]) ** 2).sum()))
         gain = large[0] - small[0]
-        steps.append({"gain": gain, "z": gain / error} if error > 0.0 else None)
+        steps.append(_tested(gain, error, min(small[2], large[2])) if error > 0.0 else None)
     return steps
 
 
-def _shortened(pair: Pair) -> tuple[float, np.ndarray] | None:
-    """Mean share by which paths are shortened, and what each of all maps adds to its error."""
+def _tested(gain: float, error: float, count: int) -> dict[str, float]:
+    t = gain / error
+    return {"gain": gain, "t": t, "p": float(2.0 * stats.t.sf(abs(t), count - 1))}
+
+
+def _shortened(pair: Pair) -> tuple[float, np.ndarray, int] | None:
+    """Mean share by which paths are shortened, what each map adds to its error, and how many."""
     both = both_reached(pair)
     count = int(both.sum())
-    if count < 2:
+    if count < LEAST_MAPS:
         return None
     shorter = -per_map_change(common_table(pair))[:, METRICS.index("path_length")]
     parts = np.zeros(len(both))
-    parts[both] = (shorter - shorter.mean()) / count
-    return float(shorter.mean()), parts
+    parts[both] = (shorter - shorter.mean()) / np.sqrt(count * (count - 1))
+    return float(shorter.mean()), parts, count
