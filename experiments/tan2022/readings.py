@@ -185,7 +185,7 @@ def _about(base: Reading) -> list[Reading]:
             )
             for degrees in (30, 90)
         ),
-        *_numbers(base, "given up", "stuck within {:g} m", "params.stuck_distance", (0.1, 0.21)),
+        *_numbers(base, "given up", "stuck within {:g} m", "params.stuck_distance", (0.1025, 0.21)),
         base.but("nobody given up", "given up", changes={"params.stuck_time": NEVER}),
         *(
             base.but(f"until {seconds} s", "given up", changes={"static.max_steps": 10 * seconds})

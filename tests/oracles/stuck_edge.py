@@ -10,4 +10,4 @@ def sits_on_an_edge(p: DwaParams) -> bool:
         return True
     steps = p.stuck_distance / (p.v_step * p.dt)
     # Farther, courses that are straight for so long are rare.
-    return steps < 99.5 and abs(steps - round(steps)) <= 0.1
+    return steps < 150 and abs(steps - round(steps)) <= 0.1
