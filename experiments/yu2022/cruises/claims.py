@@ -13,13 +13,15 @@ from experiments.yu2022.cruises.runs import (
     ENVIRONMENTS,
     FLIPS,
     FLOOD,
-    LEAST_RUNS,
     USUAL,
 )
 from usvjax.report.numbers import fixed, interval, listed, p_value
 
 NEAR, FAR = 0.05, 0.10
 """A mean within the first share of the published one is the same, beyond the second another."""
+LEAST_COMPLETE = 10
+"""Complete cruises of an algorithm from which on its mean counts: half of the fewest that are
+made, as some of them may not come home."""
 LEAST_PAIRS = 5
 """Maps sailed by both from which on a difference counts."""
 ALWAYS = 0.94
@@ -43,14 +45,15 @@ _STRICT = (
 )
 _TESTS = {
     "best": (
-        "Welch's t-test, two-sided, of the first 50 maps, 20 complete cruises or more of each; the "
-        f"paper names a t-test and not which. {_STRICT}."
+        "Welch's t-test, two-sided, of the first 50 maps, "
+        f"{LEAST_COMPLETE} complete cruises or more of each; the paper names a t-test and not "
+        f"which. {_STRICT}."
     ),
     "level": (
         "All five means within 5 % of the published ones, each with its whole 95 % t interval: "
         "yes; one beyond 10 % with all of it: no, to which five means just at these 10 % come in "
-        "12.5 % of samples at most; means of 20 cruises or more. The published maps are not "
-        "known, and the published means are taken as they are."
+        f"12.5 % of samples at most; means of {LEAST_COMPLETE} complete cruises or more. The "
+        "published maps are not known, and the published means are taken as they are."
     ),
     "cases": (
         "The t-test of differences map by map, on the maps that both sailed completely, 5 or more. "
@@ -74,8 +77,9 @@ _TESTS = {
         "runs without a failure then have a probability below 5 %; yes where none fails."
     ),
     "area": (
-        "The t-test of differences map by map, on the first 50 maps as far as both completed them; "
-        "two-sided, 5 %."
+        "Yes or no where the mean difference map by map lies to that side of 0 with its whole 95 % "
+        "t interval, on the first 50 maps as far as both completed them; equal areas come to "
+        "either in 2.5 % of samples."
     ),
 }
 
@@ -250,8 +254,8 @@ def _rows(
 
 def _too_few(rows: Mapping[str, Mapping[str, Any]]) -> str:
     """Name those with fewer runs than tell; empty where there is none."""
-    few = [f"{name.upper()} {row['n']}" for name, row in rows.items() if row["n"] < LEAST_RUNS]
-    return f"too few complete cruises: {', '.join(few)} of {LEAST_RUNS}" if few else ""
+    few = [f"{name.upper()} {row['n']}" for name, row in rows.items() if row["n"] < LEAST_COMPLETE]
+    return f"too few complete cruises: {', '.join(few)} of {LEAST_COMPLETE}" if few else ""
 
 
 def _least(environment: str, indicator: str, numbers: Numbers, reading: Reading) -> Finding:
@@ -259,12 +263,12 @@ def _least(environment: str, indicator: str, numbers: Numbers, reading: Reading)
     encoding, flips = reading
     rows = _rows(numbers, environment, indicator, reading)
     few, own = _too_few(rows), rows[PROPOSED]
-    if own["n"] < LEAST_RUNS:
+    if own["n"] < LEAST_COMPLETE:
         return Finding(None, few)
     tests = numbers["tables"][environment][flips]["p"][indicator][encoding]
     rivals = {}
     for name in RIVALS:
-        enough = rows[name]["n"] >= LEAST_RUNS
+        enough = rows[name]["n"] >= LEAST_COMPLETE
         more = rows[name]["mean"] - own["mean"] if enough else 0.0
         rivals[name] = {"more": more, "p": tests[name] if enough else None}
     means = "means " + listed((row.get("mean") for row in rows.values()), _DIGITS[indicator])
@@ -280,7 +284,7 @@ def _level(environment: str, indicator: str, numbers: Numbers, reading: Reading)
     times = {
         name: _times_printed(row, published[name].mean)
         for name, row in rows.items()
-        if row["n"] >= LEAST_RUNS
+        if row["n"] >= LEAST_COMPLETE
     }
     few = _too_few(rows)
     changes = [times[name]["mean"] - 1 if name in times else None for name in ALGORITHMS]
@@ -374,4 +378,4 @@ def _area(environment: str, kind: str, numbers: Numbers, encoding: str) -> Findi
         f"{fixed(own[PROPOSED]['value'], 0)} against {fixed(own['gwo']['value'], 0)} cells, less "
         f"by {interval(less, 1, digits=0)}"
     )
-    return Finding(above(less) if own["n"] >= LEAST_RUNS else None, shown)
+    return Finding(above(less) if own["n"] >= LEAST_COMPLETE else None, shown)
