@@ -13,15 +13,13 @@ from experiments.yu2022.cruises.runs import (
     ENVIRONMENTS,
     FLIPS,
     FLOOD,
+    LEAST_COMPLETE,
     USUAL,
 )
 from usvjax.report.numbers import fixed, interval, listed, p_value
 
 NEAR, FAR = 0.05, 0.10
 """A mean within the first share of the published one is the same, beyond the second another."""
-LEAST_COMPLETE = 10
-"""Complete cruises of an algorithm from which on its mean counts: half of the fewest that are
-made, as some of them may not come home."""
 LEAST_PAIRS = 5
 """Maps sailed by both from which on a difference counts."""
 ALWAYS = 0.94

@@ -95,6 +95,8 @@ FEW = 5
 LEAST_RUNS = 20
 """Runs that are made of what is slow or comes to nothing: Algorithms 1 to 3 where less changes, and
 all where the whole map does."""
+LEAST_COMPLETE = LEAST_RUNS // 2
+"""Complete cruises of an algorithm from which on its mean counts; some may not come home."""
 
 
 SHARD = 10
