@@ -49,7 +49,7 @@ def readings(numbers: Numbers) -> list[str]:
         "replaces.",
         f"Tables 3 and 6: of the first {RUNS} maps. The paper names a t-test; ours is Welch's, of "
         "two samples. Runs that do not visit all stations are counted apart and not averaged. A "
-        f"mean counts from {LEAST_COMPLETE} complete cruises on, a limit of ours; it was {LEAST_RUNS}, "
+        f"mean counts from {LEAST_COMPLETE} complete cruises on, our limit; it was {LEAST_RUNS}, "
         "as many as are made of some kinds, until some of these had not come home.",
         "*Detection area*: the cells that came into sight anywhere on the way, or those that "
         "searches expanded, both grey in the paper's figures; each is judged.",
