@@ -158,9 +158,9 @@ def table(times, short, unit_short=0.0, n=100):
     return {"n": n, "heuristics": dict.fromkeys(NEW, row)}
 
 
-def verdicts(plans, episodes):
+def verdicts(plans, episodes, *others):
     numbers = {
-        "plans": {"a": plans},
+        "plans": dict(enumerate((plans, *others))),
         "episodes": {"b": {"n": 100, "heuristics": dict.fromkeys(NEW, episodes)}},
         "layers": {"A1": {name: compare.layers(name, "A1") for name in (TRADITIONAL, *NEW)}},
     }
@@ -176,12 +176,36 @@ def test_verdicts_follow_from_the_numbers():
         "reproduces",
         "depends on the reading",
         "does not reproduce",
-        "does not reproduce",
+        "undecided",
     ]
-    found = verdicts(table(1.0, 0.96, 0.96), fewer)
+    found = verdicts(table(1.02, 0.97, 0.97), fewer)
     assert found[1:] == ["does not reproduce", "not excluded", "reproduces", "reproduces"]
     assert verdicts(table(0.2, 0.039, 0.03), fewer)[2] == "does not reproduce"
     assert verdicts(table(0.2, 0.3, n=5), fewer)[1:4] == ["undecided"] * 3
+
+
+@pytest.mark.parametrize(
+    ("times", "short"),
+    [
+        (1.0, 0.945),  # the intervals hold the bounds
+        (None, None),  # there are none
+    ],
+)
+def test_what_is_not_shown_is_not_refuted(times, short):
+    plans = table(times or 0.0, short or 0.0, short or 0.0)
+    if times is None:
+        for own in plans["heuristics"]["weighted"]["against"].values():
+            for figure in (own["times"], own["as_short"]):
+                figure.update(value=1.0, low=None, high=None)
+    episodes = {"times": plans["heuristics"]["weighted"]["against"][TRADITIONAL]["times"]}
+    fewer, _, rule, changing = verdicts(plans, episodes)[1:]
+    assert (fewer, rule, changing) == ("undecided",) * 3
+
+
+def test_kinds_of_maps_that_differ_decide_nothing():
+    fewer = {"times": {"value": 0.2, "low": 0.1, "high": 0.3}}
+    found = verdicts(table(0.2, 0.3), fewer, table(2.0, 0.99, 0.99))
+    assert found[1:4] == ["undecided", "not excluded", "undecided"]
 
 
 def test_what_is_run_follows_the_options():

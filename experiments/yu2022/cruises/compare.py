@@ -139,10 +139,13 @@ def _table(sailed: Sails) -> dict[str, Any]:
 def _row(values: np.ndarray) -> dict[str, Any]:
     if len(values) < 2:
         return {"n": len(values)}
+    found = estimates.mean(values)
     return {
         "n": len(values),
         "best": float(values.min()),
-        "mean": float(values.mean()),
+        "mean": found["value"],
+        "low": found["low"],
+        "high": found["high"],
         "worst": float(values.max()),
         "std": float(values.std(ddof=1)),
     }
@@ -189,7 +192,9 @@ def _orders(sailed: Sails) -> dict[str, Any]:
 
 
 def _share(which: np.ndarray) -> dict[str, Any]:
-    return {**estimates.share(which), "count": int(which.sum()), "runs": len(which)}
+    """How often something is so, and "rank_p" of one run more that is so."""
+    p = estimates.rank_p(which.astype(float), 1.0)
+    return {**estimates.share(which), "runs": len(which), "rank_p": p}
 
 
 def _alike(tours: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -60,6 +60,7 @@ def measure(found: Found) -> dict[str, Any]:
         "functions": tables,
         "laws": {f"{pair[0]:g}, {pair[1]:g}": law_row(law(pair)) for pair in PAIRS},
         "law_from_one": law_row(law(PAIRS[0], 1)),
+        "linear_law": law_row(linear_law()),
     }
 
 
@@ -176,13 +177,17 @@ def linear_law() -> np.ndarray:
 
 
 def law_row(a: np.ndarray) -> dict[str, Any]:
-    """a(t) at the first, sixth and last iteration, when it is halved, and when above Eq. 2."""
+    """a(t) at the first, sixth and last iteration, how often it is above 1, and when it is halved.
+
+    "above_linear_from": when it is above Eq. 2.
+    """
     above = np.flatnonzero(a > linear_law())
     later = above[above > 0]
     return {
         "first": float(a[0]),
         "sixth": float(a[5]),
         "last": float(a[-1]),
+        "wide": int((a > 1.0).sum()),
         "halved": int(np.argmax(a <= a[0] / 2)) if (a <= a[0] / 2).any() else None,
         "above_linear_from": int(later[0]) if len(later) else None,
     }

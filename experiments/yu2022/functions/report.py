@@ -64,9 +64,9 @@ def summary(numbers: Numbers) -> list[str]:
         )
     factors = [f"{_moved(table, 'gwo'):.2g}" for table in functions.values()]
     lines.append(
-        f"**Away from the origin** the median of GWO is larger by factors of {', '.join(factors)} "
-        f"({', '.join(TABLE_8[f].name for f in functions)}): the published functions all have "
-        "their optimum where grey wolves look first."
+        f"**The optimum moved away from the origin**, where all published functions have it: the "
+        f"median of GWO is {', '.join(factors)} times that at the origin "
+        f"({', '.join(TABLE_8[f].name for f in functions)})."
     )
     return lines
 
@@ -78,7 +78,7 @@ def _moved(table: Mapping[str, Any], name: str) -> float:
 
 def sections(numbers: Numbers) -> list[Section]:
     """All tables."""
-    functions = numbers["functions"]
+    functions, linear = numbers["functions"], numbers["linear_law"]
     return [
         Section("Table 8: functions", [_functions(functions)]),
         *(
@@ -91,8 +91,8 @@ def sections(numbers: Numbers) -> list[Section]:
                 f"Mean least value of {numbers['longer_runs']} runs, {WOLVES} members, against "
                 "the number of iterations; the first of these from which on it, or the median, "
                 "is no larger than the published mean. For the wolves each number of iterations "
-                "is a run of its own, since a(t) depends on it; where a few runs end in a local "
-                "optimum, as on f3 and f4, the mean says little else.",
+                "is a run of its own, since a(t) depends on it. The median beside the mean is "
+                "there because a few runs that end in a local optimum can be most of a mean.",
                 _budgets(functions),
             ],
         ),
@@ -103,9 +103,10 @@ def sections(numbers: Numbers) -> list[Section]:
         Section(
             "Eq. 14 with the printed mu",
             [
-                "The linear law falls from 2 to 0.01. The wolves search widely while a > 1: with "
-                "the printed factors that is over after two iterations, and with a near 0.2 at "
-                "the end they never settle as closely as with a near 0.",
+                "Only while a > 1 can a step of the wolves lead away from their prey "
+                f"(|A| > 1). The linear law falls from {linear['first']:g} to "
+                f"{linear['last']:g} and is above 1 in {linear['wide']} of {ITERATIONS} "
+                "iterations.",
                 _laws(numbers["laws"]),
             ],
         ),
@@ -181,10 +182,11 @@ def _laws(laws: Mapping[str, Any]) -> Sheet:
             f"{row['first']:.3f}",
             f"{row['sixth']:.3f}",
             f"{row['last']:.3f}",
+            str(row["wide"]),
             "never" if row["halved"] is None else str(row["halved"]),
             "never" if row["above_linear_from"] is None else str(row["above_linear_from"]),
         ]
         for pair, row in laws.items()
     ]
-    header = ["lambda1, lambda2", "a(0)", "a(5)", f"a({ITERATIONS - 1})", "Half of a(0) at t ="]
-    return Sheet("", [*header, "Above the linear law from t ="], rows)
+    header = ["lambda1, lambda2", "a(0)", "a(5)", f"a({ITERATIONS - 1})", "Iterations with a > 1"]
+    return Sheet("", [*header, "Half of a(0) at t =", "Above the linear law from t ="], rows)

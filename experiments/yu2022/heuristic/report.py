@@ -26,10 +26,9 @@ def summary(numbers: Numbers) -> list[str]:
         for name in ("weighted", "weighted_octile")
     ]
     lines.append(
-        f"**Without any loss** the octile distance alone, which is exact, expands "
-        f"{fixed(times['octile'], 2)} times the cells of the chess-board distance; Eq. 17 as "
-        f"printed makes {fixed(times['weighted'] / times['octile'], 2)} of that, and costs the "
-        "length."
+        f"**The octile distance alone**, which is exact: {fixed(times['octile'], 2)} times the "
+        "cells of the chess-board distance; Eq. 17 as printed "
+        f"{fixed(times['weighted'] / times['octile'], 2)} times those of the octile distance."
     )
     unit = rows[UNIT]
     lines.append(
@@ -58,7 +57,7 @@ def readings(numbers: Numbers) -> list[str]:
         "octile distance.",
         "Figs. 3 and 4: neither the vessel nor the obstacles are in the text. The vessel is at "
         f"{' or '.join(VESSELS)}, the only nodes above row C from which the nodes that the text "
-        f"has tied are tied, the goal at {GOAL}; no obstacles. Both give the same.",
+        f"has tied are tied, the goal at {GOAL}; no obstacles.",
         "Expanded: cells taken off the queue and made consistent in the first plan, as the grey "
         "cells of Fig. 5.",
         "While the map changes: with every move so many cells drawn anywhere on the map change "
