@@ -16,8 +16,8 @@ NOTE = (
     "Yes and no: whether the claim holds under a reading; a dash where the sample does not tell. A "
     "claim reproduces where every reading says yes, does not where every one says no, depends on "
     "the reading where some say yes and some no, and is undecided where a dash stands in the way. "
-    'A "not excluded" claim passed a test that could only have excluded it. Readings in brackets do '
-    "not count, such as what was chosen after the fact to come near to the claim."
+    'One that is "not excluded" passed a test that could only have excluded it. Readings in '
+    "brackets do not count, such as what was chosen after the fact to come near to the claim."
 )
 
 MOST_COLUMNS = 10

@@ -68,7 +68,7 @@ class ZhangOptions(Options):
     """Regenerate the tables and figures of Zhang et al. 2019 beside the published values.
 
     Attributes:
-        maps: Random maps of each side and density; 4,000, or 60 with --quick. The textbook's
+        maps: Random maps of each side and density; 1,000, or 60 with --quick. The textbook's
             program, which is slower, searches up to 1,000 of them, or 20 with --quick.
     """
 
@@ -81,7 +81,7 @@ def runs(options: ZhangOptions) -> Mapping[str, Run]:
     Raises:
         BadInputError: fewer than one map.
     """
-    maps, most, repeats = (60, 20, 3) if options.quick else (4_000, 1000, 15)
+    maps, most, repeats = (60, 20, 3) if options.quick else (1_000, 1000, 15)
     if options.maps is not None:
         if options.maps < 1:
             raise BadInputError(f"--maps: got {options.maps}; wanted at least 1 map per density")
