@@ -123,6 +123,27 @@ def above(figure: Mapping[str, Any], bound: float = 0.0) -> bool | None:
     return None if found is None else not found
 
 
+def not_excluded(p: float, least: float, level: float) -> bool | None:
+    """Whether a p leaves a claim standing that a test can only exclude.
+
+    Args:
+        p: of the test.
+        least: the smallest that p could have been; that of ranks hangs on how many there are.
+        level: up to which p excludes.
+
+    Returns:
+        None where no p could have excluded it.
+    """
+    if p <= level:
+        return False
+    return None if least > level else True
+
+
+def every(findings: Sequence[bool | None]) -> bool | None:
+    """Whether all of several hold; one that is open leaves that open, unless another does not."""
+    return False if False in findings else None if None in findings else True
+
+
 def summary(verdicts: Sequence[Verdict]) -> list[str]:
     """The claims by what became of them, a line each."""
     lines = []

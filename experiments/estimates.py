@@ -55,6 +55,11 @@ def rank_p(values: np.ndarray, printed: float, alike: float = 0.0) -> float:
     return min(1.0, 2.0 * min(1 + int(side.sum()) for side in sides) / (len(values) + 1))
 
 
+def least_rank_p(n: int) -> float:
+    """The smallest p that `rank_p` can give among n values."""
+    return min(1.0, 2.0 / (n + 1))
+
+
 def spread(values: np.ndarray) -> dict[str, float | None]:
     """Mean, 2.5 and 97.5 % quantiles of values."""
     if not len(values):

@@ -28,7 +28,8 @@ from experiments.chen2023.routes import (
     Method,
 )
 from experiments.chen2023.studies import MAIN, OTHER_GRIDS, PRINTED
-from experiments.claims import Claim, Finding, Numbers
+from experiments.claims import Claim, Finding, Numbers, above, every, not_excluded
+from experiments.estimates import least_rank_p
 from usvjax.report.numbers import interval, listed, percent
 
 FEWEST = 20
@@ -36,7 +37,7 @@ FEWEST = 20
 ALPHA = 0.05
 ROWS = len(TABLE_3)
 RANKED = ceil(2 * ROWS / ALPHA) - 1
-"""Scenes below which no rank could exclude one of four rows."""
+"""Scenes below which no rank could exclude a row."""
 
 RADII = {"R = 15 m": ARCS, "R = 3 m": ARCS_3}
 LITERAL = {"R = 15 m": ARCS, "R = 15 m, R_s = 2 R": ARCS_WIDE, "R = 3 m": ARCS_3}
@@ -50,9 +51,9 @@ DIRECTION = (
     "10 %); none from fewer than 20 scenes."
 )
 RANKS = (
-    "Excluded where what is printed lies among the outermost 5 % of our scenes in any row, "
-    f"Bonferroni over {ROWS}; a true claim is excluded in at most 5 %, and none can be with fewer "
-    f"than {RANKED} scenes."
+    "Each row by the rank that what is printed takes among our scenes, as one more of them, "
+    f"two-sided, at 5 % / {ROWS}: excluded where one row is, so a true claim in at most 5 %; a row "
+    f"of fewer than {RANKED} scenes could not be, and leaves open what no other row excludes."
 )
 
 
@@ -227,19 +228,11 @@ def _leaves(numbers: Numbers, method: Method) -> Finding:
     found = numbers["leaves"][method.name]
     if found["n"] < FEWEST:
         return _few(found["n"])
-    more = found["more"]
     words = f"{interval(found['astar'], digits=1)} m off at most on average; "
     return Finding(
-        _side(more["low"], more["high"], 0.0),
+        above(found["more"]),
         f"{words}{interval(found['proposed'], digits=1)} m on the proposed path",
     )
-
-
-def _side(low: float | None, high: float | None, of: float) -> bool | None:
-    """Whether an interval lies above a value; None where it holds it, or there is none."""
-    if low is None or high is None:
-        return None
-    return True if low > of else False if high < of else None
 
 
 def _collides(numbers: Numbers, given: tuple[float, str]) -> Finding:
@@ -248,9 +241,7 @@ def _collides(numbers: Numbers, given: tuple[float, str]) -> Finding:
     rate = row["contacts"][kind]["pairs"][0]
     if row["scenes"] < FEWEST:
         return _few(row["scenes"])
-    return Finding(
-        _side(rate["low"], rate["high"], ALPHA), f"on {percent(rate['value'], 1)} % of routes"
-    )
+    return Finding(above(rate, ALPHA), f"on {percent(rate['value'], 1)} % of routes")
 
 
 def _is_safe(numbers: Numbers, given: tuple[Method, tuple[float, str]]) -> Finding:
@@ -272,7 +263,7 @@ def _smooths(numbers: Numbers, given: tuple[str, Method]) -> Finding:
         return _few(row["n"])
     five = row["all_five"]
     return Finding(
-        _side(five["low"], five["high"], ALPHA),
+        above(five, ALPHA),
         f"{row['fitted']:,} of {row['found']:,} paths whole; all five in "
         f"{percent(five['value'], 1)} % of scenes",
     )
@@ -297,13 +288,10 @@ def _direction(metric: str, numbers: Numbers, given: tuple[str, Method, Method, 
     rows = _rows(numbers, given)
     if min(row["n"] for row in rows) < FEWEST:
         return _few(min(row["n"] for row in rows))
-    more = [
-        _side(*(row[metric]["difference"][end] for end in ("low", "high")), 0.0) for row in rows
-    ]
+    more = [above(row[metric]["difference"]) for row in rows]
     printed = [ratio(row, metric, given[-1]) > 1 for row in TABLE_3]
     as_said = [None if m is None else m == p for m, p in zip(more, printed, strict=True)]
-    holds = False if False in as_said else None if None in as_said else True
-    return Finding(holds, _ratios(metric, rows))
+    return Finding(every(as_said), _ratios(metric, rows))
 
 
 def _ratios(metric: str, rows: Sequence[Mapping[str, Any]]) -> str:
@@ -319,9 +307,12 @@ def _as_printed(metric: str, numbers: Numbers, given: tuple[str, Method, Method,
 
 def _inside(ps: Sequence[float], n: Sequence[int], words: str) -> Finding:
     """Whether no row is printed farther out than scenes of ours are."""
-    out = sum(p <= ALPHA / ROWS for p in ps)
-    holds = False if out else None if min(n) < RANKED else True
-    return Finding(holds, f"{words}; {out} of {ROWS} rows excluded")
+    rows = [
+        not_excluded(p, least_rank_p(count), ALPHA / ROWS) for p, count in zip(ps, n, strict=True)
+    ]
+    words += f"; of {ROWS} rows {rows.count(False)} excluded"
+    few = rows.count(None)
+    return Finding(every(rows), f"{words}, {few} too few to tell" if few else words)
 
 
 def _detours(numbers: Numbers, given: tuple[Method, str]) -> Finding:
@@ -336,8 +327,7 @@ def _takes_less(numbers: Numbers, given: tuple[Method, str]) -> Finding:
     timed = numbers["timing"][how]
     rows = timed[1:] if how == "single" else [timed]
     less = [_quicker(row["less"][method.name], row["repeats"]) for row in rows]
-    holds = False if False in less else None if None in less else True
-    return Finding(holds, f"ratios {listed((row['ratio'][method.name] for row in rows), 2)}")
+    return Finding(every(less), f"ratios {listed((row['ratio'][method.name] for row in rows), 2)}")
 
 
 def _quicker(times: int, repeats: int) -> bool | None:

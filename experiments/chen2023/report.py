@@ -200,8 +200,8 @@ def _values(numbers: Numbers) -> Section:
         "Tables 2 and 3: length and turning",
         [
             "Means over the scenes in which a path is whole, and in brackets the range of 95 % of "
-            "these scenes. Few paths of A* are smoothed whole at R = 15 m between far ends, and "
-            "those have few corners: their means are of other scenes than the rest.",
+            "these scenes. Where few paths are smoothed whole, those have few corners: their "
+            "means are of other scenes than the rest.",
             Sheet("Length over the straight line:", ["Path", *PLACES], lengths),
             Sheet("Total turning angle (deg):", ["Path", *PLACES], turning),
             Sheet("Scenes:", ["Path", *PLACES], counts),
@@ -345,11 +345,12 @@ def _sailed(numbers: Numbers) -> str:
 def _smoothing(numbers: Numbers) -> str:
     rows = numbers["corners"][MAIN]
     shares = {name: interval(rows[name]["fitted_scenes"], 100, digits=1) for name in rows}
+    sharpest = max(numbers["bends"][name]["most"] for name in rows)
     return (
         f"**Smoothing.** Algorithm 1 smooths {shares[ARCS.name]} % of A*'s paths whole with "
         f"R = 15 m, whose corners stand a cell or two apart, and {shares[ARCS_3.name]} % with "
-        f"R = 3 m; {shares[SHORT_ARCS.name]} % with R = 15 m once they are shortened. No path "
-        "that it makes bends more than 1/R."
+        f"R = 3 m; {shares[SHORT_ARCS.name]} % with R = 15 m once they are shortened. The "
+        f"sharpest of all paths that it makes bends {sharpest:.6f} / R."
     )
 
 
@@ -362,10 +363,8 @@ def _expansion(numbers: Numbers) -> str:
     ]
     return (
         f"**Expansion.** The printed E = {EXPANSION:g} makes islands {1 + EXPANSION:g} times as "
-        "wide, more room than a vessel needs that cannot follow a corner of A*'s path. It is on a "
-        "cell of an island (in the island, which is narrower than its cells) on "
-        f"{', '.join(shown)} of routes: the collision of Fig. 15 needs obstacles that are hardly "
-        "expanded or very small, or a map whose cells count as obstacle."
+        "wide. Sailing A*'s path, the vessel is on a cell of an island (in the island, which is "
+        f"narrower than its cells) on {', '.join(shown)} of routes."
     )
 
 

@@ -68,7 +68,9 @@ class Sizes:
 
     Attributes:
         scenes: of the printed expansion.
-        few: under every other condition.
+        few: under every other expansion, and on every other grid.
+        waters: under every other way of drawing islands; of the densest, too, as many must have
+            a path as a rank needs to exclude anything.
         repeats: of the timings.
         timed: scenes whose routes are timed together.
         whole: whether every condition is run, and not just the printed one and E = 0.
@@ -76,12 +78,13 @@ class Sizes:
 
     scenes: int
     few: int
+    waters: int
     repeats: int
     timed: int
     whole: bool
 
 
-FULL, QUICK = Sizes(1000, 200, 15, 200, True), Sizes(36, 24, 3, 12, False)
+FULL, QUICK = Sizes(1000, 200, 300, 15, 200, True), Sizes(36, 24, 24, 3, 12, False)
 
 
 def runs(options: Chen) -> dict[str, Run]:
@@ -108,7 +111,7 @@ def planned(sizes: Sizes) -> dict[str, Run]:
         EXPANSIONS: _study(EXPANSIONS, sizes.few, SWEPT, by_expansion),
     }
     if sizes.whole:
-        found[WATERS] = _study(WATERS, sizes.few, LENGTHS, by_words)
+        found[WATERS] = _study(WATERS, sizes.waters, LENGTHS, by_words)
         found[GRIDS] = _study(GRIDS, sizes.few, COMPARED, OTHER_GRIDS)
     timed = partial(timings, PRINTED, sizes.timed, sizes.repeats)
     return found | {"times": Call(timed, work(sizes.repeats))}

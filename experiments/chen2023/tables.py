@@ -34,7 +34,7 @@ from experiments.chen2023.studies import (
     WATERS,
     expansion_of,
 )
-from experiments.estimates import LEVEL, mean, ratio, share, spread
+from experiments.estimates import LEVEL, mean, rank_p, ratio, share, spread
 from experiments.runs import Columns, Found, Ran
 from usvjax.statistics import averages, holm, paired_difference, paired_rates, wilson
 from usvkernels.status import Status
@@ -239,16 +239,6 @@ def lengths(m: Measured) -> list[Row]:
         p = printed and rank_p(over, printed / TABLE_3[pair - 1].straight)
         found.append({"n": len(over), "over_straight": spread(over), "rank_p": p})
     return found
-
-
-def rank_p(sample: np.ndarray, printed: float) -> float:
-    """P of the place that one more value takes in a sample; of any distribution, both sides.
-
-    If what is printed were drawn as the sample was, it would be p or less with a probability of
-    p at most.
-    """
-    below, above = (1 + int(flags.sum()) for flags in (sample <= printed, sample >= printed))
-    return min(1.0, 2.0 * min(below, above) / (len(sample) + 1))
 
 
 def compare(measured: Mapping[str, Measured]) -> dict[str, dict[str, list[Row]]]:

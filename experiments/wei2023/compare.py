@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.estimates import mean, share, spread
+from experiments.estimates import mean, rank_p, share, spread
 from experiments.runs import Columns, Found
 from experiments.wei2023.mission import MEASURES, STAGES
 from experiments.wei2023.published import AFTER, BEFORE, COLLISION_RADIUS
@@ -45,24 +45,25 @@ def compare(own: Columns) -> dict[str, Any]:
 
     Returns:
         Number of scenes; per stage the spread of every measure over scenes and its paired
-        difference; the share of scenes with fewer turns, a longer path, less clearance, and
-        less clearance than the collision radius.
+        difference; the p of the rank of the published turns among ours; the share of scenes with
+        fewer turns, a longer path, less clearance, and less clearance than the collision radius.
     """
     stages = {}
     for stage in STAGES:
         pairs = {name: (own[f"{name}_{stage}"], own[f"{name}_before"]) for name in MEASURES}
-        stages[stage] = _stage(pairs)
+        stages[stage] = _stage(pairs, BEFORE if stage == "before" else AFTER)
     return {"n": len(own["turns_before"]), "stages": stages}
 
 
-def _stage(pairs: dict[str, tuple[np.ndarray, np.ndarray]]) -> dict[str, Any]:
-    """Of each measure, the values now and before."""
+def _stage(pairs: dict[str, tuple[np.ndarray, np.ndarray]], published: int) -> dict[str, Any]:
+    """Of each measure, the values now and before, and the turns that the paper has now."""
     turns, old_turns = pairs["turns"]
     length, old_length = pairs["length"]
     clear, old_clear = pairs["clearance"]
     return {
         "spread": {name: spread(new) for name, (new, _) in pairs.items()},
         "difference": {name: mean(new - old) for name, (new, old) in pairs.items()},
+        "rank_p": rank_p(turns, published),
         "fewer_turns": share(turns < old_turns),
         "longer": share(length > old_length * (1 + _ALIKE)),
         "closer": share(clear < old_clear - _ALIKE),

@@ -44,9 +44,9 @@ def readings(numbers: Numbers) -> list[str]:
         f"round obstacles, cells of the unit length {UNIT:g} nm, blocked when the centre lies "
         f"within the collision radius {COLLISION_RADIUS:g} nm of an obstacle; start and goal in "
         "opposite corners, the straight course barred. The number of turning points grows with "
-        f"the side. That of 5 nm was chosen after the fact, so that {BEFORE} occur: it does not "
-        "count for Fig. 7; half and twice that side do. Scenes with eight obstacles stand beside "
-        "these for the reduction.",
+        f"the side. That of 5 nm was chosen after the fact, so that {BEFORE} occur: it stands "
+        "beside and does not count; half and twice that side do. Scenes with eight obstacles, more "
+        "than the paper's, stand beside for the reduction.",
         "A* with eight neighbours; a diagonal step needs both cells beside it free. The heuristic "
         "is not printed: Euclidean and octile distance, both exact. Nor is it printed which of "
         "equally good cells comes first, which decides among paths of equal length: the batched "

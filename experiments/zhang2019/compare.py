@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.estimates import mean, ratio, share, spread
+from experiments.estimates import mean, rank_p, ratio, share, spread
 from experiments.runs import Found, Ran
 from experiments.zhang2019.arithmetic import steps_of
 from experiments.zhang2019.mission import BATCHED, ORDERS, TEXTBOOK, named
@@ -77,12 +77,15 @@ def traditional(old: Paths) -> dict[str, Any]:
 
     Returns:
         Share of maps with a path; mean, 2.5 and 97.5 % quantiles; and p, the probability that
-        a map of these has a path as far out in length or in turning cost (Bonferroni; by ranks,
-        so that it is exact for any number of maps).
+        a map of these has a path as far out in length or in turning cost (by ranks, Bonferroni
+        for the two).
     """
     some = old.some(old.found)
     length, turning = some.length(), some.turning
-    ranks = (_two_sided(length, TRADITIONAL.length), _two_sided(turning, TRADITIONAL.turning))
+    ranks = (
+        rank_p(length, TRADITIONAL.length, _ALIKE),
+        rank_p(turning, TRADITIONAL.turning, _ALIKE),
+    )
     return {
         "n": len(length),
         "reached": share(old.found),
@@ -91,16 +94,6 @@ def traditional(old: Paths) -> dict[str, Any]:
         "total": spread(some.total()),
         "p": min(1.0, 2.0 * min(ranks)),
     }
-
-
-def _two_sided(values: np.ndarray, published: float) -> float:
-    sides = (values <= published + _ALIKE, values >= published - _ALIKE)
-    return min(1.0, 2.0 * min(_rank(side) for side in sides))
-
-
-def _rank(as_far: np.ndarray) -> float:
-    """Probability of a value so far out, from n others; the published one counts as one more."""
-    return float((1 + as_far.sum()) / (1 + len(as_far)))
 
 
 def alike(old: Paths, window: float) -> np.ndarray:
@@ -118,7 +111,7 @@ def saved(new: Paths, old: Paths, window: float) -> dict[str, Any]:
 
     Returns:
         Mean saving of the total; share of maps with at least the published one; and p, the
-        probability of such a saving on a map like these.
+        probability of such a saving on a map like these, the paper's counted as one more.
     """
     chosen = alike(old, window)
     saving = old.some(chosen).total() - new.some(chosen).total()
@@ -126,7 +119,7 @@ def saved(new: Paths, old: Paths, window: float) -> dict[str, Any]:
     return {
         "saved": float(saving.mean()) if len(saving) else None,
         "as_published": share(as_published),
-        "p": _rank(as_published),
+        "p": float((1 + as_published.sum()) / (1 + len(as_published))),
     }
 
 

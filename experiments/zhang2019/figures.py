@@ -17,7 +17,7 @@ from experiments.zhang2019.compare import SAVED, WINDOWS, alike, paths
 from experiments.zhang2019.mission import BATCHED, named
 from experiments.zhang2019.published import TRADITIONAL
 from experiments.zhang2019.runs import DENSITIES, FITTED, SIZES
-from experiments.zhang2019.verdicts import LEVEL, can_exclude
+from experiments.zhang2019.verdicts import LEVEL, least_p
 from usvjax.plots import style
 
 TITLES = {
@@ -58,7 +58,7 @@ def figures(found: Found, numbers: Numbers) -> Iterator[Drawing]:
         yield Drawing(
             "maps_alike",
             "What the rules save on maps like the paper's (batched), by how many maps save that "
-            "much or more, for the sizes with the most such maps (20 at least). Where less than "
+            "much or more, for the sizes with the most such maps (19 at least). Where at most "
             f"{100 * LEVEL:g} % save the published 5.0, a reading is excluded.",
             alike_figure(found, panels),
         )
@@ -138,7 +138,7 @@ def _most_alike(numbers: Numbers) -> list[str]:
     sizes = numbers["programs"]["batched"]
     counts = {label: own["alike"][f"{WINDOWS[0]:g}"]["n"] for label, own in sizes.items()}
     most = sorted(counts, key=lambda label: -counts[label])[:3]
-    return [label for label in most if can_exclude(counts[label], 1)]
+    return [label for label in most if least_p(counts[label]) <= LEVEL]
 
 
 @style.styled

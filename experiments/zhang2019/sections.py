@@ -45,7 +45,7 @@ def summary(numbers: Numbers) -> list[str]:
             )
         )
         lines.append(
-            f"**What explains Table 3**: its saving is {SAVED:.1f} at equal length. On the "
+            f"**The saving of Table 3** is {SAVED:.1f} at equal length. On the "
             f"{alike['n']:,} maps of {FITTED.label} that are like the paper's the mean saving is "
             f"{savings}."
         )
@@ -56,7 +56,7 @@ def summary(numbers: Numbers) -> list[str]:
         for name in ("worse", "equal")
     )
     lines.append(
-        f"**Not every map gains**: on maps of {FITTED.label} the improved path costs more in total "
+        f"**Map by map**, at {FITTED.label}, the improved path costs more in total "
         f"than the traditional one on {worse}; it costs the same on {equal}."
     )
     excess = ", ".join(
@@ -77,7 +77,7 @@ def readings(numbers: Numbers) -> list[str]:
         "the density as probability, from the upper left corner (as printed) to the lower right "
         f"one. Readings: {listed(SIDES, 0)} cells a side, densities 0.1, 0.2 and 0.3. "
         f"{FITTED.label} was chosen after the fact, so that the traditional path costs about as "
-        "much as the paper's; in the verdicts on Table 3 it stands beside and does not count.",
+        "much as the paper's; where a verdict has it, it stands beside and does not count.",
         "Corners: whether a diagonal step may pass a blocked cell beside it is not printed. "
         "Readings: it may not, and it may (*corners cut*).",
         "Costs: 1 and 1.4 per step, 0.5 per 45 deg, counted along the path. The batched search "
@@ -149,7 +149,7 @@ def _sizes(numbers: Numbers) -> list[Any]:
         "corner to corner without detours. The traditional paths of the batched search, mean with "
         f"2.5 and 97.5 % quantiles of the maps (published: {TRADITIONAL.length:.1f} and "
         f"{TRADITIONAL.turning}), and for each program p, the probability of a path as far out as "
-        "Table 3's; below 0.05 the size is excluded.",
+        "Table 3's; at 0.05 or less the size is excluded.",
         Sheet("", [*header, *(f"p, {program}" for program in numbers["programs"])], rows),
     ]
 

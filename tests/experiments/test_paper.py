@@ -181,6 +181,21 @@ def test_a_figure_lies_below_a_bound_with_all_of_its_interval(low, high, wanted)
     assert claims.above(figure) is (None if wanted is None else not wanted)
 
 
+@pytest.mark.parametrize("n", [0, 9, 38, 39, 159])
+def test_what_is_farther_out_than_all_of_ours_has_the_least_p(n):
+    ours = np.arange(float(n))
+    assert estimates.rank_p(ours, -1.0) == estimates.least_rank_p(n)
+    excluded = claims.not_excluded(estimates.least_rank_p(n), estimates.least_rank_p(n), 0.05)
+    assert excluded is (False if n >= 39 else None)
+    assert claims.not_excluded(1.0, estimates.least_rank_p(n), 0.05) is (True if n >= 39 else None)
+
+
+def test_all_of_several_hold_where_each_does():
+    assert claims.every([True, True]) is True
+    assert claims.every([True, None]) is None
+    assert claims.every([True, None, False]) is False
+
+
 def test_the_rank_of_what_is_printed_excludes_at_its_level():
     assert estimates.rank_p(np.arange(1.0, 100.0), 0.0) == 0.02
     assert estimates.rank_p(np.arange(1.0, 100.0), 50.0) == 1.0

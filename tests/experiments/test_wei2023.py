@@ -14,9 +14,9 @@ from experiments.textbook import Rules
 from experiments.wei2023 import compare
 from experiments.wei2023 import mission as wei
 from experiments.wei2023.__main__ import PAPER
-from experiments.wei2023.claims import claims
+from experiments.wei2023.claims import COUNTED, claims
 from experiments.wei2023.published import AFTER, BEFORE, COLLISION_RADIUS
-from experiments.wei2023.runs import AS_PRINTED, FITTED, KINDS, SEARCHES
+from experiments.wei2023.runs import FITTED, KINDS, SEARCHES
 from usvjax.mission import Files
 
 
@@ -84,6 +84,9 @@ def test_key_points_of_a_scene_are_compared_with_its_path_before():
         np.mean([38, 41, 48]) * -1
     )
     assert table["keys"]["as_published"]["value"] == pytest.approx(2 / 3)
+    assert table["before"]["rank_p"] == 1.0  # 41 is the second of four
+    assert table["keys"]["rank_p"] == 1.0
+    assert table["sight"]["rank_p"] == 0.5  # 2 is the least of four
     assert table["sight"]["as_published"]["value"] == 0
     assert table["keys"]["closer"]["value"] == 1
     assert table["keys"]["longer"]["value"] == 0
@@ -91,41 +94,76 @@ def test_key_points_of_a_scene_are_compared_with_its_path_before():
     assert compare.as_many(own) == {"n": 2, "after": 1}
 
 
-def table(before, after, change, n=100):
-    def of(value, half):
-        return {"turns": {"value": value, "low": value - half, "high": value + half}}
+def table(before=0.3, after=0.3, change=-35.0, half=1.0, n=100):
+    """Numbers of one search: p of the turns that are published, and how they change."""
 
-    after_it = {"spread": of(after, 1), "difference": of(change, 1)}
-    stages = {"before": {"spread": of(before, 5)}, "keys": after_it, "sight": after_it}
-    return {"n": n, "stages": stages}
+    def of(value, p):
+        return {
+            "spread": {"turns": {"value": value, "low": value - 5, "high": value + 5}},
+            "rank_p": p,
+        }
+
+    ends = {} if half is None else {"low": change - half, "high": change + half}
+    turns = {"value": change, "low": None, "high": None} | ends
+    after_it = of(AFTER, after) | {"difference": {"turns": turns}}
+    return {"n": n, "stages": {"before": of(BEFORE, before), "keys": after_it, "sight": after_it}}
 
 
-def verdicts(change=None, **others):
-    tables = {kind: dict.fromkeys(SEARCHES, table(38.0, 2.5, -35.0)) for kind in KINDS}
-    for kind, own in (change or {}).items():
-        tables[kind] = tables[kind] | own
+def verdicts(*kinds, **changed):
+    """Verdicts where everything fits, but for what is changed on some kinds of scenes."""
+    tables = {kind: dict.fromkeys(SEARCHES, table()) for kind in KINDS}
+    tables |= {kind: dict.fromkeys(SEARCHES, table(**changed)) for kind in kinds}
     numbers = {"tables": tables}
     return judge(claims(numbers), numbers)
 
 
-def test_verdicts_follow_from_the_numbers():
-    assert [v.verdict for v in verdicts()] == ["not excluded", "not excluded", "reproduces"]
-    far = {"octile": table(15.0, 4.0, -0.5)}
-    found = [v.verdict for v in verdicts({AS_PRINTED[1]: far})]
-    assert found == ["depends on the reading"] * 3
-    few = {AS_PRINTED[2]: dict.fromkeys(SEARCHES, table(BEFORE, AFTER, -1.0, n=5))}
-    found = verdicts(few)
-    assert found[0].found["A*, octile distance: 10 nm"].holds is None
-    assert found[1].verdict == "undecided"
+def words(found):
+    return [one.verdict for one in found]
 
 
-def test_the_side_that_was_fitted_to_fig_7_does_not_count_for_it():
-    far = {FITTED: dict.fromkeys(SEARCHES, table(15.0, 2.5, -12.0))}
-    first, second, _ = verdicts(far)
-    assert first.verdict == "not excluded"
-    assert {one.holds for one in first.beside.values()} == {False}
-    assert len(first.beside) == len(SEARCHES)
-    assert not second.beside
+FINE = ["not excluded", "not excluded", "reproduces"]
+SMALL, LARGE = COUNTED
+
+
+@pytest.mark.parametrize(
+    ("changed", "place", "verdict"),
+    [
+        ({"before": 0.05}, 0, "does not reproduce"),
+        ({"before": 0.051}, 0, "not excluded"),
+        ({"after": 0.04}, 1, "does not reproduce"),
+        ({"change": -0.5}, 2, "undecided"),  # not shown is not refuted
+        ({"change": 1.5}, 2, "does not reproduce"),
+        ({"half": None}, 2, "undecided"),
+    ],
+)
+def test_verdicts_follow_from_the_numbers(changed, place, verdict):
+    assert words(verdicts()) == FINE
+    wanted = [verdict if i == place else fine for i, fine in enumerate(FINE)]
+    assert words(verdicts(SMALL, LARGE, **changed)) == wanted
+    on_one = {"does not reproduce": "depends on the reading"}.get(verdict, verdict)
+    assert words(verdicts(LARGE, **changed))[place] == on_one
+
+
+def test_few_scenes_exclude_nothing_and_show_no_difference():
+    assert words(verdicts(LARGE, n=38)) == ["undecided", "undecided", "reproduces"]
+    few = verdicts(LARGE, n=19)[2]
+    assert few.verdict == "undecided"
+    assert {one.numbers for one in few.found.values() if one.holds is None} == {"only 19 scenes"}
+
+
+def test_differences_that_are_all_equal_are_told_as_they_are():
+    found = verdicts(LARGE, half=None)[2].found
+    assert {one.numbers for one in found.values() if one.holds is None} == {"-35.0"}
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in COUNTED])
+def test_what_was_fitted_and_what_the_paper_has_not_stand_beside(kind):
+    assert FITTED not in COUNTED
+    found = verdicts(kind, before=0.01, after=0.01, change=9.0)
+    assert words(found) == FINE
+    for one in found if kind == FITTED else found[2:]:
+        assert False in {given.holds for given in one.beside.values()}
+        assert not any(kind in label for label in one.found)
 
 
 def test_what_is_run_follows_the_options():
