@@ -26,7 +26,7 @@ def _no_compute(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise ComputeError
 
-    for name in ("_sail", "_run", "_record"):
+    for name in ("sail", "_run", "_record"):
         monkeypatch.setattr(run, name, refuse)
     monkeypatch.setattr(candidates, "_open_up", refuse)
 
