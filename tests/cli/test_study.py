@@ -32,7 +32,9 @@ def study(tmp_path):
 
 @pytest.fixture(autouse=True)
 def without_figures(monkeypatch, tmp_path):
-    monkeypatch.setattr("usvjax.cli.study._figures", lambda run, *_: [run / "figures" / "rates.png"])
+    monkeypatch.setattr(
+        "usvjax.cli.study._figures", lambda run, *_: [run / "figures" / "rates.png"]
+    )
     monkeypatch.setattr("usvjax.devices.use_compilation_cache", lambda: tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
 
