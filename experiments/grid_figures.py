@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from usvjax.plots import style
@@ -53,3 +54,12 @@ def draw_path(ax: Axes, cells: np.ndarray, colour: str = style.VERMILLION, **loo
             markeredgecolor=style.BLACK,
             zorder=4,
         )
+
+
+def end_handles() -> list[Line2D]:
+    """What a legend shows of the ends that `draw_path` marks: start and goal."""
+    look = {"markersize": 4, "markerfacecolor": "white", "linestyle": "none"}
+    return [
+        Line2D([], [], color=style.BLACK, marker=marker, label=end, **look)
+        for marker, end in (("o", "start"), ("s", "goal"))
+    ]

@@ -11,7 +11,7 @@ class PaperMission:
 
     def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
         """The first; see `Mission.example`."""
-        return 0, "the first, which was not chosen"
+        return int(rows["job"].min()), "the first, which was not chosen"
 
     def figures(self, run: Any, replay: Any) -> Iterator[tuple[str, Any]]:
         """None; see `Mission.figures`."""

@@ -14,6 +14,7 @@ from typing import Any
 import usvjax as uj
 from experiments.output import RESULTS
 from experiments.runs import Run, Study, place_of
+from usvjax.report.numbers import duration
 
 MAPS, SIDE, DENSITY = 512, 50, 0.1
 REPEATS = 3
@@ -84,10 +85,3 @@ def _recorded(paper: str) -> dict[str, Any] | None:
         return dict(found["pace"])
     except (OSError, ValueError, KeyError, TypeError):
         return None
-
-
-def duration(seconds: float) -> str:
-    """Seconds in words."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

@@ -24,9 +24,10 @@ from experiments.chen2023.routes import (
     search,
 )
 from experiments.chen2023.scenes import ORIGIN, SIDE, TURNS, Waters
+from experiments.missions import PaperMission
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
-from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Replay, Replayed, Track
+from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Replay, Track
 from usvjax.missions.route.finish import length_and_turning
 from usvjax.paths.tracking import Tracks
 from usvjax.registry import register_mission
@@ -56,7 +57,7 @@ class Sailed:
     distance: np.ndarray
 
 
-class ChenRoutes:
+class ChenRoutes(PaperMission):
     """Plan routes and sail them; see `usvjax.mission.Mission`."""
 
     tables = MappingProxyType({"waters": Table("scenes and their grids", {"": Waters})})
@@ -117,22 +118,12 @@ class ChenRoutes:
         recording = _recorded(scene, route, tracks, touched) if record else None
         return Outcome(columns, recording)
 
-    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
-        """The first route; see `Mission.example`."""
-        return int(rows["job"].min()), "the first"
-
     def figures(self, run: Any, replay: Replay) -> Iterator[tuple[str, Any]]:
         """How many routes are found; the page draws the rest."""
         from usvjax.plots import plot_success
 
         given = {"labels": run.labels, "endings": self.endings, "methods": run.methods}
         yield "success", plot_success(run.table(), title=run.name, **given)
-
-    def film(self, replayed: Replayed, row: int) -> Any:
-        """The vessel on its way."""
-        from usvjax.plots.tracks import film_of
-
-        return film_of(replayed, row)
 
 
 def _divides(cell: float) -> bool:

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 
 from experiments.claims import Numbers
+from experiments.grid_figures import end_handles
 from experiments.paper import Drawing
 from experiments.runs import Found
 from experiments.wei2023.compare import SHOWN
@@ -66,18 +67,7 @@ def fig7_8(replayed: Replayed) -> Figure:
             ax.set_ylabel("y, north (nm)")
     handles = [
         Line2D([], [], color=style.VERMILLION, marker=".", label="path, its turning points"),
-        *(
-            Line2D(
-                [],
-                [],
-                color=style.BLACK,
-                marker=marker,
-                markerfacecolor="white",
-                linestyle="none",
-                label=end,
-            )
-            for marker, end in (("o", "start"), ("s", "goal"))
-        ),
+        *end_handles(),
         Patch(color=style.GREY, label="obstacle"),
         Line2D([], [], color=style.GREY, linestyle="--", label="collision radius 0.25 nm"),
     ]

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from experiments.claims import Numbers
-from experiments.grid_figures import draw_path, paint_cells
+from experiments.grid_figures import draw_path, end_handles, paint_cells
 from experiments.paper import Drawing
 from experiments.runs import Found
 from experiments.zhang2019.compare import SAVED, WINDOWS, alike, paths
@@ -88,14 +88,9 @@ def paths_figure(found: Found, job: int) -> Figure:
         ax.set(xticks=range(0, FITTED.side, 4), yticks=range(0, FITTED.side, 4))
         ax.set(xlabel="x (squares)", ylabel="y (squares)")
         ax.label_outer()
-    ends = [
-        Line2D([], [], color="none", marker=marker, markersize=4, label=label,
-               markerfacecolor="white", markeredgecolor=style.BLACK)
-        for marker, label in (("o", "start"), ("s", "goal"))
-    ]  # fmt: skip
     path = Line2D([], [], color=style.VERMILLION, label="path")
     blocked = Patch(facecolor="0.15", label="not passable")
-    style.outside_legend(fig, [path, *ends, blocked], columns=4)
+    style.outside_legend(fig, [path, *end_handles(), blocked], columns=4)
     return style.settle(fig)
 
 

@@ -4,7 +4,7 @@ The batched search of usvjax, and a textbook's program for what the order of equ
 with its traditional rules and with the turning cost of the paper, in both ways to read Eq. 7.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from experiments import textbook
+from experiments.missions import PaperMission
 from experiments.textbook import UPPER_FIRST, Rules
 from experiments.zhang2019.paths import counted
 from experiments.zhang2019.published import DIAGONAL, GAMMA
 from usvjax.errors import BadInputError
 from usvjax.maps.cells import check_cells, maps_of_jobs
-from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Replay, Replayed, Track
+from usvjax.mission import Case, Files, Ground, Metric, Outcome, Recording, Track
 from usvjax.search.astar import astar
 from usvjax.sections import Table
 from usvjax.tables import read_table
@@ -116,7 +117,7 @@ class Scene(NamedTuple):
         return self.maps.side - 1
 
 
-class Searches:
+class Searches(PaperMission):
     """The mission; see `usvjax.mission.Mission`."""
 
     tables = MappingProxyType({"maps": Table("where paths are sought", {"": Maps})})
@@ -163,20 +164,6 @@ class Searches:
         status = np.where(found, Status.FOUND, Status.UNREACHABLE).astype(np.int32)
         columns = {"status": status, **counted(cells), "expanded": expanded}
         return Outcome(columns, _recorded(scene, cells) if record else None)
-
-    def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
-        """The first map; see `Mission.example`."""
-        return int(rows["job"].min()), "the first"
-
-    def figures(self, run: Any, replay: Replay) -> Iterator[tuple[str, Any]]:
-        """None: the paper's page has them; see `Mission.figures`."""
-        return iter(())
-
-    def film(self, replayed: Replayed, row: int) -> Any:
-        """A vessel along a path; see `Mission.film`."""
-        from usvjax.plots.tracks import film_of
-
-        return film_of(replayed, row)
 
 
 MISSION = Searches()

@@ -20,9 +20,6 @@ FILES = sorted(
 )
 MODULES = [".".join(file.relative_to(ROOT).with_suffix("").parts) for file in FILES]
 
-NOT_PRINTED: dict[tuple[str, str], str] = {}
-"""Module and constant, with the reason why its values are not in the text."""
-
 _NUMBER = re.compile(
     r"(?P<digits>\d+(?:\.\d+)?)(?:\s*\$?(?:×|\\times)\s*10\s*\^\s*\{?\s*(?P<power>[-−–]?\s*\d+))?"
 )
@@ -98,9 +95,7 @@ def test_there_are_published_values_of_every_paper():
 @pytest.mark.parametrize("module", MODULES)
 def test_published_values_are_printed(module):
     found = missing(constants(module), printed(text_of(module)))
-    known = {name for place, name in NOT_PRINTED if place == module}
-    assert {name: wrong for name, wrong in found.items() if name not in known} == {}
-    assert known <= set(found), "named as not printed, but it is"
+    assert found == {}
 
 
 def test_a_value_with_another_digit_is_found_out():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from usvjax.cli.console import console, show
+from usvjax.report.numbers import duration
 from usvjax.report.sheets import Sheet
 
 if TYPE_CHECKING:
@@ -139,8 +140,8 @@ def _print_forecast(facts: dict[str, Any], found: "Forecast", until: bool) -> No
         [
             (
                 "Time",
-                f"{most}about {_duration(wall)} on {_counted(facts['devices'], 'device')}, and "
-                f"compilation ({_duration(found.first_seconds)} here); by "
+                f"{most}about {duration(wall)} on {_counted(facts['devices'], 'device')}, and "
+                f"compilation ({duration(found.first_seconds)} here); by "
                 f"{_counted(found.tried, 'episode')} of {_counted(found.conditions, 'condition')}",
             ),
             ("Size", f"{most}about {byte_size(found.bytes)} on disk"),
@@ -155,9 +156,3 @@ def _show(rows: list[tuple[str, str]]) -> None:
 
 def _counted(count: int, what: str) -> str:
     return f"{count:,} {what}" if count == 1 else f"{count:,} {what}s"
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 90:
-        return f"{seconds:.0f} s" if seconds >= 1 else f"{seconds:.1f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

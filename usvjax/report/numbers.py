@@ -95,3 +95,10 @@ def p_value(p: float | None) -> str:
     if p is None:
         return NONE
     return "<1e-16" if p < 1e-16 else f"{p:.2g}"
+
+
+def duration(seconds: float) -> str:
+    """A time in s, in min from 90 s up, or in h from 90 min up."""
+    if seconds < 90:
+        return f"{seconds:.0f} s" if seconds >= 1 else f"{seconds:.1f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

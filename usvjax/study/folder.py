@@ -23,7 +23,6 @@ MOST_BYTES = 2**31
 
 # Outside POSIX there are none of these, nor the links and pipes that they are for.
 _PLAINLY = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-_UNWRITABLE = (errno.EROFS, errno.EACCES, errno.EPERM)
 
 
 def open_plain(path: Path, flags: int) -> int:
@@ -125,11 +124,6 @@ def check_no_link(path: Path) -> None:
             f"{path} is a link; nothing is written through a link inside a run, so put the folder "
             f"itself there, or let the run's own folder be the link"
         )
-
-
-def is_unwritable(error: OSError) -> bool:
-    """Whether an error says that a place may only be read."""
-    return error.errno in _UNWRITABLE
 
 
 @contextmanager

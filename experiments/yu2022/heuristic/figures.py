@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from experiments.claims import Numbers
-from experiments.grid_figures import draw_path, paint_cells
+from experiments.grid_figures import draw_path, end_handles, paint_cells
 from experiments.paper import Drawing
 from experiments.runs import Found, Ran
 from experiments.yu2022.heuristic.compare import NEW
@@ -66,18 +66,7 @@ def fig5(plans: Ran) -> Figure:
         Patch(facecolor="0.72", label="expanded"),
         Patch(facecolor="0.15", label="blocked"),
         Line2D([], [], color=style.VERMILLION, label="path"),
-        *(
-            Line2D(
-                [],
-                [],
-                color=style.BLACK,
-                marker=marker,
-                markerfacecolor="white",
-                linestyle="none",
-                label=end,
-            )
-            for marker, end in (("o", "start"), ("s", "goal"))
-        ),
+        *end_handles(),
     ]
     style.outside_legend(fig, handles, columns=5)
     return style.settle(fig)
