@@ -81,7 +81,7 @@ def runs(options: ZhangOptions) -> Mapping[str, Run]:
     Raises:
         BadInputError: fewer than one map.
     """
-    maps, most, repeats = (60, 20, 3) if options.quick else (1_000, 1000, 15)
+    maps, most, repeats = (60, 20, 3) if options.quick else (4_000, 1000, 15)
     if options.maps is not None:
         if options.maps < 1:
             raise BadInputError(f"--maps: got {options.maps}; wanted at least 1 map per density")
