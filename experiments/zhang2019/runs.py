@@ -68,7 +68,7 @@ class ZhangOptions(Options):
     """Regenerate the tables and figures of Zhang et al. 2019 beside the published values.
 
     Attributes:
-        maps: Random maps of each side and density; 1,000, or 60 with --quick. The textbook's
+        maps: Random maps of each side and density; 4,000, or 60 with --quick. The textbook's
             program, which is slower, searches up to 1,000 of them, or 20 with --quick.
     """
 
