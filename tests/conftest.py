@@ -1,5 +1,7 @@
 """What holds for all tests: the same cases in every run, and no terminal."""
 
+import signal
+
 import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
@@ -15,6 +17,14 @@ if not FUZZ:
     # Hypothesis also draws constants of the modules imported so far: those differ with the tests
     # that ran before in the same process. There is no setting for it, so its version is pinned.
     providers._get_local_constants = lambda: providers._local_constants
+
+
+@pytest.fixture(autouse=True, scope="session")
+def heeding_interrupts():
+    """In a shell's background the tests, and what they start, would ignore Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(autouse=True)
