@@ -32,6 +32,8 @@ NAMES = (
     "tour_peers",
     "planner_paths",
     "cruise_rate",
+    "fleets",
+    "orca",
 )
 
 ORDER = (*NAMES, "against")

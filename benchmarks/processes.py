@@ -27,14 +27,21 @@ class ProcessFailedError(RuntimeError):
 class FreshProcess:
     """One more Python; use it in a `with` block."""
 
-    def __init__(self, *, cores: int | None = None, variables: Mapping[str, str] | None = None):
+    def __init__(
+        self,
+        *,
+        cores: int | None = None,
+        variables: Mapping[str, str] | None = None,
+        python: str = sys.executable,
+    ):
         """Start it.
 
         Args:
             cores: how many of the usable cores to bind it to; all when None.
             variables: environment variables to set.
+            python: the interpreter, for a peer with an environment of its own.
         """
-        command = [sys.executable, "-m", "benchmarks.processes", str(cores or 0)]
+        command = [python, "-m", "benchmarks.processes", str(cores or 0)]
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,

@@ -17,7 +17,7 @@ COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
 """Names that the public contract reserves."""
 
 FLOORS = (
-    ("errors", "suggest", "exports", "version", "ambient"),
+    ("errors", "suggest", "exports", "version", "ambient", "units"),
     ("checks",),
     ("devices", "pictures", "statistics"),
     ("report",),
@@ -171,7 +171,7 @@ def test_no_module_hides_a_public_name():
 @pytest.mark.parametrize("folder", ["study", "plots"])
 def test_engines_and_primitives_name_no_mission(folder):
     for file in (ROOT / "usvjax" / folder).rglob("*.py"):
-        found = re.findall(r'"(?:dwa|route|cruise)"|missions\.\w+', file.read_text())
+        found = re.findall(r'"(?:dwa|route|cruise|fleet)"|missions\.\w+', file.read_text())
         assert not found, (file, found)
 
 

@@ -34,6 +34,13 @@ if TYPE_CHECKING:  # "as" tells type checkers that a name is exported
     from usvjax.missions.dwa.params import fit_window as fit_window
     from usvjax.missions.dwa.run import NavigateResult as NavigateResult
     from usvjax.missions.dwa.run import navigate_dwa as navigate_dwa
+    from usvjax.missions.fleet.environment import Environment as Environment
+    from usvjax.missions.fleet.environment import FieldCurrent as FieldCurrent
+    from usvjax.missions.fleet.environment import ShearCurrent as ShearCurrent
+    from usvjax.missions.fleet.environment import UniformCurrent as UniformCurrent
+    from usvjax.missions.fleet.environment import VortexCurrent as VortexCurrent
+    from usvjax.missions.fleet.params import FleetParams as FleetParams
+    from usvjax.missions.fleet.params import FleetStatic as FleetStatic
     from usvjax.paths.metrics import PathMetrics as PathMetrics
     from usvjax.paths.metrics import path_metrics as path_metrics
     from usvjax.paths.smoothing import DensePaths as DensePaths
@@ -76,6 +83,7 @@ _MISSIONS = {
     "dwa": "usvjax.missions.dwa.mission:MISSION",
     "route": "usvjax.missions.route.mission:MISSION",
     "cruise": "usvjax.missions.cruise.mission:MISSION",
+    "fleet": "usvjax.missions.fleet.mission:MISSION",
 }
 
 use_all_cores()

@@ -52,6 +52,14 @@ HOME = {
     "usvjax.missions.dwa.candidates": ("DwaCandidates", "dwa_candidates"),
     "usvjax.missions.dwa.params": ("DwaParams", "DwaStatic", "fit_window"),
     "usvjax.missions.dwa.run": ("NavigateResult", "navigate_dwa"),
+    "usvjax.missions.fleet.environment": (
+        "Environment",
+        "FieldCurrent",
+        "ShearCurrent",
+        "UniformCurrent",
+        "VortexCurrent",
+    ),
+    "usvjax.missions.fleet.params": ("FleetParams", "FleetStatic"),
     "usvjax.study": ("load_run", "run_study"),
     "usvkernels.status": ("Status",),
 }

@@ -16,9 +16,11 @@ class Status(IntEnum):
     UNREACHABLE = 11  # proven: no path
     OUT_OF_BUDGET = 12  # a bound on steps or on length was met first
     BLOCKED = 13  # start or goal lies on a blocked cell
+    NO_APPROACH = 14  # a route, but none that leads to the goal on the heading asked for
 
 
 EPISODE_ENDINGS = (Status.REACHED, Status.COLLIDED, Status.STUCK, Status.TIMED_OUT)
+FLEET_ENDINGS = (*EPISODE_ENDINGS, Status.UNREACHABLE)
 CRUISE_ENDINGS = (
     Status.REACHED,
     Status.PARTIAL,

@@ -46,6 +46,13 @@ STUDIES = {
         "methods": ["recommended", "astar"],
         "maps": {"shape": [14, 14], "density": 0.1, "stations": 3},
     },
+    "fleet": {
+        "kind": "fleet",
+        "methods": ["none"],
+        "params": {"sight_time": 180.0},
+        "scenes": {"encounter": "crossing", "least_tcpa": 90.0},
+        "static": {"max_steps": 900},
+    },
     TOY: {"kind": TOY},
     "drift": {"kind": "drift", "plugin": "mydrift.py"},
 }
@@ -94,7 +101,7 @@ def test_a_mission_says_what_the_engines_ask(kind):
 
 
 def test_a_job_does_not_depend_on_the_others(kind):
-    count = 12 if kind == "cruise" else 200
+    count = 12 if kind in ("cruise", "fleet") else 200
     whole = run_unit(small(kind, episodes=count, shard=count), Unit(0, 0))
     for job in (0, 7):
         alone = run_unit(small(kind, shard=1), Unit(0, job))

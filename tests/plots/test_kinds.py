@@ -9,6 +9,7 @@ from plot_calls import plot_calls
 
 import usvjax.missions.cruise.looks
 import usvjax.missions.dwa.looks
+import usvjax.missions.fleet.looks
 import usvjax.missions.route.looks
 from usvjax import plots
 from usvjax.missions.cruise.chart import TRACK_ID
@@ -86,6 +87,7 @@ def test_the_check_sees_what_is_wrong(spoil):
     [
         usvjax.missions.cruise.looks,
         usvjax.missions.dwa.looks,
+        usvjax.missions.fleet.looks,
         usvjax.missions.route.looks,
     ],
 )

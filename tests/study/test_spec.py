@@ -300,13 +300,18 @@ def test_combinations_are_counted_before_any_is_made(monkeypatch):
         parse_spec(toy_study(axes=axes, conditions=listed))
 
 
-@pytest.mark.parametrize("kind", ["dwa", "route", "cruise"])
+@pytest.mark.parametrize("kind", ["dwa", "route", "cruise", "fleet"])
 def test_hints_know_the_keys_of_every_kind(kind):
     study = {"name": "a", "episodes": 2, "kind": kind}
     spec = parse_spec(study)
     for section, settings in spec.conditions[0].case.settings.items():
         assert set(settings) <= set(spec.mission.tables[section].keys)
-    elsewhere = {"dwa": "static.horizon", "route": "search.weight", "cruise": "cruise.speed"}[kind]
+    elsewhere = {
+        "dwa": "static.horizon",
+        "route": "search.weight",
+        "cruise": "cruise.speed",
+        "fleet": "scenes.least_tcpa",
+    }[kind]
     with pytest.raises(BadInputError, match=f"did you mean '{elsewhere}'"):
         parse_spec({**study, elsewhere.partition(".")[2]: 3})
 

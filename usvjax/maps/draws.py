@@ -26,6 +26,7 @@ class Stream(IntEnum):
     ENDS = 1
     STATIONS = 2
     HEADINGS = 3
+    VESSELS = 4
 
 
 @pinned()

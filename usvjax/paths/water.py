@@ -91,7 +91,8 @@ def _columns_clear(
     forward = (start[:, 0] <= end[:, 0])[:, None]
     start, end = np.where(forward, start, end), np.where(forward, end, start)
     first = np.floor(start[:, 0] - slack).astype(int)
-    count = np.floor(end[:, 0] + slack).astype(int) - first + 1
+    # At least one: a segment of no length that lies on an edge is in neither column.
+    count = np.maximum(np.floor(end[:, 0] + slack).astype(int) - first + 1, 1)
     begin = np.cumsum(count) - count
     which = np.repeat(np.arange(len(start)), count)
     column = first[which] + np.arange(len(which)) - begin[which]

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from usvkernels.dwa.candidates import Command, decide
+from usvkernels.dwa.charted import Charted, near
 from usvkernels.dwa.clearance import FAR, Scalar, nearest_distance
 from usvkernels.dwa.params import Rules, Settings, Vessel
 from usvkernels.dwa.window import Motion, unknown_true
@@ -17,16 +18,6 @@ from usvkernels.trig import wrap_angle
 from usvkernels.vessel import PLANTS, Plant, Pose
 from usvkernels.xla.single import single
 from usvkernels.xla.stage import stage
-
-
-@partial(jax.tree_util.register_dataclass)
-@dataclass(frozen=True)
-class Charted:
-    """A shared map: for each of its cells, the blocked cells that a vessel there can sense."""
-
-    table: Array  # int32[height * width, K], flat numbers of blocked cells, -1 pads
-    width: Array  # int32, cells in a row
-    cell_size: Array  # m; the corner of cell (0, 0) is the origin of the episodes
 
 
 @partial(jax.tree_util.register_dataclass)
@@ -165,14 +156,7 @@ def sensed(chart: Charted | None, episode: Episode) -> Array:
     if chart is None:
         assert episode.obstacles is not None
         return episode.obstacles
-    width, cell = chart.width, chart.cell_size
-    column = jnp.clip(jnp.floor(episode.motion.x / cell).astype(jnp.int32), 0, width - 1)
-    last = chart.table.shape[0] // width - 1
-    row = jnp.clip(jnp.floor(episode.motion.y / cell).astype(jnp.int32), 0, last)
-    blocked = chart.table[row * width + column].T
-    east = ((blocked % width).astype(cell.dtype) + 0.5) * cell
-    north = ((blocked // width).astype(cell.dtype) + 0.5) * cell
-    return jnp.where(blocked < 0, FAR, jnp.stack([east, north]))
+    return near(chart, episode.motion.x, episode.motion.y)
 
 
 def _step(chart: Charted | None, settings: Settings, episode: Episode) -> Episode:

@@ -10,8 +10,9 @@ import numpy as np
 
 from usvjax.checks import MOST_SINGLE, float_array
 from usvjax.errors import BadInputError
+from usvjax.maps.sensed import padded
 from usvjax.memory import check_memory
-from usvjax.missions.dwa.inputs import padded, refuse_remote
+from usvjax.missions.dwa.inputs import refuse_remote
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa, split
 from usvjax.public import public
 from usvkernels.dwa import candidates, window

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from math import hypot, sqrt
 from typing import Any
 
@@ -10,18 +9,17 @@ import numpy as np
 
 from usvjax.checks import any_array, float_array, positive
 from usvjax.errors import BadInputError, BadTypeError
-from usvjax.maps import GridMap, obstacle_table
+from usvjax.maps import GridMap
+from usvjax.maps.sensed import MOST_REMOTE, charted, padded
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, check_dwa
+from usvkernels.dwa.charted import Charted
 from usvkernels.dwa.clearance import FAR
-from usvkernels.dwa.episodes import Charted, Jobs
+from usvkernels.dwa.episodes import Jobs
 
 ROWS_AT_ONCE = 1024  # of a check over all rows and obstacles, so that its arrays stay in the cache
 
 TINY = 1e-30
 """Keeps a quotient finite whose divisor is 0."""
-
-MOST_REMOTE = 2e5
-"""Largest coordinate (m) of a vessel: there, single precision resolves 16 mm."""
 
 
 @dataclass(frozen=True)
@@ -195,23 +193,6 @@ def _mask(valid: Any, shape: tuple[int, int]) -> np.ndarray:
     return mask
 
 
-def padded(centres: np.ndarray, shown: np.ndarray | None = None) -> np.ndarray:
-    """Centres [B, K, 2] as float32[B, 2, K'], K' a multiple of 8 so that few shapes are compiled.
-
-    FAR pads, and stands where `shown`, bool[B, K] or [K], is False.
-    """
-    if shown is not None and shown.ndim == 2:
-        centres = np.broadcast_to(centres, (len(shown), *centres.shape[1:]))
-    maps, count, _ = centres.shape
-    packed = np.full((maps, 2, max(8, -(-count // 8) * 8)), FAR, np.float32)
-    inside = packed[:, :, :count]
-    # What is farther than FAR is as far, and float32 holds it.
-    np.clip(centres.swapaxes(1, 2), -FAR, FAR, out=inside, casting="same_kind")
-    if shown is not None:
-        np.copyto(inside, np.float32(FAR), where=~shown[..., None, :])
-    return packed
-
-
 def _offsets(
     packed: np.ndarray, start: np.ndarray
 ) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
@@ -274,7 +255,7 @@ def _on_chart(
         goal=goal - origin,
         origin=origin,
         obstacles=None,
-        chart=_chart(grid, reach),
+        chart=charted(grid, reach),
     )
     radius = np.asarray(params.radius, np.float64)
     _refuse_inside(packed.sensed(packed.start[:, :2]), packed.start, radius, origin)
@@ -301,12 +282,3 @@ def _reach(params: DwaParams, static: DwaStatic, sensing_range: float | None) ->
             "step at full speed, so that every collision is seen"
         )
     return reach
-
-
-@lru_cache(maxsize=4)
-def _chart(grid: GridMap, reach: float) -> Charted:
-    # The table holds for a whole cell: a vessel in its corner sees half a diagonal farther.
-    table: Any = obstacle_table(grid.blocked, None, reach / grid.cell_size + sqrt(0.5))
-    width: Any = np.int32(grid.shape[1])
-    cell_size: Any = np.float32(grid.cell_size)
-    return Charted(table=table.reshape(-1, table.shape[-1]), width=width, cell_size=cell_size)

@@ -5,9 +5,7 @@ from typing import Any
 
 from usvjax.missions.dwa.params import DwaParams, DwaStatic, fit_window
 from usvjax.presets import Preset
-
-KNOT = 1852.0 / 3600.0  # m/s
-NAUTICAL_MILE = 1852.0  # m
+from usvjax.units import KNOT, NAUTICAL_MILE
 
 
 def _preset(params: DwaParams, source: str, **choices: Any) -> Preset:

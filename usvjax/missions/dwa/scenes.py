@@ -40,8 +40,8 @@ from usvjax.maps.ends import (
     turned,
 )
 from usvjax.maps.lattice import check_lattice, lattice_obstacles
+from usvjax.maps.sensed import MOST_REMOTE
 from usvjax.maps.tables import Opened, check_share
-from usvjax.missions.dwa.inputs import MOST_REMOTE
 
 DISTANCE = (1000.0, 5000.0)
 """From a start to a goal drawn on a chart, m, unless a study says otherwise."""

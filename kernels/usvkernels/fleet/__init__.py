@@ -1,0 +1,1 @@
+"""Fleets: vessels that sail among each other, N in one episode, thousands of episodes at once."""

@@ -1,0 +1,212 @@
+"""What vessels of a fleet decide: what they see, how they meet, and the commands that follow.
+
+For a decision of the dynamic window they are laid side by side, n * lanes at a time.
+"""
+
+from dataclasses import replace
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from usvkernels.dwa.candidates import Command, decide
+from usvkernels.dwa.clearance import FAR
+from usvkernels.dwa.traffic import Traffic
+from usvkernels.dwa.window import Motion
+from usvkernels.fleet import environment, guidance, orca, rules, wei2023
+from usvkernels.fleet.approach import cross, dot
+from usvkernels.fleet.guidance import Routes
+from usvkernels.fleet.models import MODELS
+from usvkernels.fleet.params import Settings
+from usvkernels.fleet.sight import Obstacles, Orders, Vessels, between, less_drift, minus, sums
+from usvkernels.fleet.state import Fleet
+from usvkernels.trig import angle_between, sincos
+from usvkernels.vessel import Complex
+
+COMFORT = 0.8
+"""Of the deceleration that a vessel has, what it plans to stop at its goal with: in periods of a
+control it cannot follow the curve of all of it."""
+
+TURNING = 0.1
+"""Of that speed, what a vessel keeps to turn with."""
+
+OFF = 0.5
+"""Of the goal's tolerance: farther off the line that leads on beyond its goal, a vessel steers for
+the goal itself."""
+
+
+def _guided(routes: Routes, settings: Settings, fleet: Fleet, goal: Complex) -> Complex:
+    """Guidance points; the goal itself where the line on beyond it would lead past it."""
+    guide = guidance.guide(routes, fleet.job, fleet.index)
+    leads_on = guidance.leads_on(routes, fleet.job, fleet.index)
+    line, off = minus(guide, goal), minus(fleet.place, goal)
+    length = jnp.sqrt(dot(line, line))
+    aside = jnp.abs(cross(line, off)) > OFF * settings.passage.goal_tolerance * length
+    past = dot(line, off) > 0.0
+    misses = leads_on & (aside | past)
+    return jnp.where(misses, goal[0], guide[0]), jnp.where(misses, goal[1], guide[1])
+
+
+def sight(routes: Routes, settings: Settings, fleet: Fleet) -> Vessels:
+    """What the vessels see of each other and of their routes."""
+    vessel, passage = settings.vessel, settings.passage
+    x, y, psi, v = fleet.reals[:4]
+    sin, cos = sincos(psi)
+    goal = guidance.point(routes, fleet.job, routes.last[fleet.job].T)
+    guide = _guided(routes, settings, fleet, goal)
+    east, north = guide[0] - x, guide[1] - y
+    distance = jnp.sqrt(east * east + north * north)
+    known = distance > 0.0
+    over = jnp.where(known, distance, 1.0)
+    course = jnp.where(known, east / over, cos), jnp.where(known, north / over, sin)
+    to_goal = minus(goal, (x, y))
+    left = jnp.sqrt(dot(to_goal, to_goal))
+    # With the goal abeam it slows down to turn, or it would circle about it.
+    abeam = jnp.clip(dot((cos, sin), to_goal) / jnp.maximum(left, 1e-3), TURNING, 1.0)
+    wanted = abeam * jnp.sqrt(2.0 * COMFORT * vessel.v_dec * left)
+    speed = jnp.broadcast_to(jnp.minimum(vessel.v_max, wanted), x.shape)
+    velocity, drifts, made_good, fastest = (v * cos, v * sin), None, speed, vessel.v_max
+    if MODELS[settings.passage.model].extra:
+        sway = fleet.motion[5]
+        velocity = v * cos - sway * sin, v * sin + sway * cos
+    if settings.environment is not None:
+        east, north = environment.drift(settings.environment, (x, y))
+        # Whose passage has ended drops anchor.
+        adrift = jnp.where(fleet.under_way, 1.0, 0.0)
+        drifts = adrift * east, adrift * north
+        course, speed, made_good = environment.crab(course, wanted, drifts, vessel.v_max)
+        velocity, fastest = (velocity[0] + drifts[0], velocity[1] + drifts[1]), made_good
+    arrival = jnp.maximum(left - passage.goal_tolerance, 0.0) / jnp.maximum(fastest, 1e-6)
+    return Vessels(
+        place=(x, y),
+        bow=(cos, sin),
+        velocity=velocity,
+        drift=drifts,
+        course=course,
+        guide=guide,
+        goal=goal,
+        speed=speed,
+        made_good=made_good,
+        hull=jnp.broadcast_to(passage.hull_radius, x.shape),
+        arrival=arrival,
+        under_way=fleet.under_way,
+        present=fleet.present,
+    )
+
+
+def meet(
+    settings: Settings, fleet: Fleet, vessels: Vessels, obstacles: Obstacles
+) -> tuple[Orders, Array, Array, Array]:
+    """Orders, who keeps its guidance point, roles and alterations by the encounter strategy."""
+    how, held = settings.encounters, jnp.zeros_like(fleet.present)
+    if how.strategy == "rules":
+        reach = vessels.hull + settings.passage.obstacle_radius
+        orders, roles, altered = rules.meet(
+            how, vessels, obstacles, reach, fleet.roles, fleet.altered
+        )
+        return orders, held, roles, altered
+    if how.strategy == "wei2023":
+        v_dec = jnp.broadcast_to(settings.vessel.v_dec, vessels.speed.shape)
+        orders, held = wei2023.meet(how, vessels, v_dec)
+        return orders, held, fleet.roles, fleet.altered
+    nobody = jnp.zeros_like(fleet.roles, dtype=bool)
+    orders = Orders(vessels.course, vessels.speed, nobody, held)
+    return orders, held, fleet.roles, fleet.altered
+
+
+def command(
+    settings: Settings, fleet: Fleet, vessels: Vessels, orders: Orders, obstacles: Obstacles
+) -> Command:
+    """Speed (m/s) and yaw rate (rad/s) of each vessel, [n, lanes]."""
+    if settings.encounters.strategy == "orca":
+        chosen = _reciprocal(settings, fleet, vessels, obstacles)
+    else:
+        chosen = _by_window(settings, fleet, vessels, orders, obstacles)
+    v, w = fleet.reals[3], jnp.zeros_like(fleet.reals[4])
+    slowing = jnp.maximum(v - settings.vessel.v_dec * settings.vessel.dt, 0.0)
+    under_way = vessels.under_way
+    return jnp.where(under_way, chosen[0], slowing), jnp.where(under_way, chosen[1], w)
+
+
+def _reciprocal(
+    settings: Settings, fleet: Fleet, vessels: Vessels, obstacles: Obstacles
+) -> Command:
+    """Towards the velocity of `orca`: turning as fast as its angle asks, at its share ahead."""
+    vessel = settings.vessel
+    v, w = fleet.reals[3:5]
+    reach = vessels.hull + settings.passage.obstacle_radius
+    wanted = orca.meet(settings.encounters, vessels, obstacles, reach, vessel.dt)
+    ahead, across = dot(vessels.bow, wanted), cross(vessels.bow, wanted)
+    angle = jnp.where(across < 0.0, -1.0, 1.0) * angle_between(across, ahead)
+    turn = angle / (settings.sampling.horizon * vessel.dt)
+    least, most = w - vessel.w_dec * vessel.dt, w + vessel.w_acc * vessel.dt
+    turn = jnp.clip(turn, jnp.maximum(least, vessel.w_min), jnp.minimum(most, vessel.w_max))
+    slowest, fastest = v - vessel.v_dec * vessel.dt, v + vessel.v_acc * vessel.dt
+    speed = jnp.clip(ahead, jnp.maximum(slowest, 0.0), jnp.minimum(fastest, vessel.v_max))
+    return speed, turn
+
+
+def _by_window(
+    settings: Settings, fleet: Fleet, vessels: Vessels, orders: Orders, obstacles: Obstacles
+) -> Command:
+    """What the dynamic window chooses under the orders."""
+    vessel, sampling, objective = settings.vessel, settings.sampling, settings.objective
+    x, y, _, v = fleet.reals[:4]
+    n, lanes = x.shape
+    flat = partial(_side_by_side, n=n, lanes=lanes)
+    # The window's lowest speed stays in it: a vessel slows down no faster than it can.
+    cap = jnp.maximum(jnp.minimum(orders.cap, vessel.v_max), v - vessel.v_dec * vessel.dt)
+    able = jax.tree.map(flat, replace(vessel, v_max=cap))
+    to_guide = minus(vessels.guide, vessels.place)
+    ahead = jnp.sqrt(dot(to_guide, to_guide))
+    goal = x + orders.course[0] * ahead, y + orders.course[1] * ahead
+    motion = Motion(fleet.reals[:5].reshape(5, n * lanes))
+    course = ahead / jnp.maximum(vessels.made_good, 1e-3)
+    command = decide(
+        able,
+        sampling,
+        jax.tree.map(flat, objective),
+        motion,
+        jnp.zeros((2, 0, n * lanes), x.dtype),
+        0.0,
+        jnp.stack([flat(goal[0]), flat(goal[1])]),
+        _traffic(settings, vessels, orders, obstacles, course),
+    )
+    return command[0].reshape(n, lanes), command[1].reshape(n, lanes)
+
+
+def _side_by_side(leaf: Array, n: int, lanes: int) -> Array:
+    """[..., n, lanes] as [..., n * lanes]; scalars as they are."""
+    if jnp.ndim(leaf) < 2:
+        return leaf
+    return leaf.reshape(*leaf.shape[:-2], n * lanes)
+
+
+def _traffic(
+    settings: Settings, vessels: Vessels, orders: Orders, obstacles: Obstacles, course: Array
+) -> Traffic:
+    """Obstacles and the vessels that are to be seen, [.., K + n, n * lanes]."""
+    n, lanes = course.shape
+    x, y = vessels.place
+    hull = vessels.hull
+    circles = obstacles.centre - jnp.stack([x, y])[:, None]
+    theirs = jnp.zeros_like(circles)
+    if obstacles.velocity is not None:
+        theirs += obstacles.velocity
+    reach = jnp.broadcast_to(hull + settings.passage.obstacle_radius, circles.shape[1:])
+    if settings.encounters.strategy == "none":
+        place, velocity = circles, theirs
+    else:
+        others = jnp.stack(between((x, y))).swapaxes(1, 2)  # [2, j, i, lanes]
+        sees = orders.sees.swapaxes(0, 1)
+        others = jnp.where(sees, others, FAR)
+        moves = jnp.where(orders.still, 0.0, jnp.stack(vessels.velocity))
+        moves = jnp.broadcast_to(moves[:, :, None], others.shape)
+        place = jnp.concatenate([circles, others], axis=1)
+        velocity = jnp.concatenate([theirs, moves], axis=1)
+        reach = jnp.concatenate([reach, sums(hull)])
+    velocity = jnp.stack(less_drift(vessels, (velocity[0], velocity[1])))
+    flat = partial(_side_by_side, n=n, lanes=lanes)
+    weighs = place.shape[1] if settings.encounters.strategy == "wei2023" else circles.shape[1]
+    return Traffic(flat(place), flat(velocity), flat(reach), flat(course), weighs)

@@ -1,0 +1,144 @@
+"""Aggregation: vessels sail to the slots of a formation and hold them on a common heading."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from usvjax.checks import float_array, not_negative, positive
+from usvjax.missions.fleet.formations import assigned, check_tight, placed, slots_of
+from usvjax.missions.fleet.params import FleetParams, FleetStatic
+from usvjax.missions.fleet.run import FleetResult, navigate
+from usvjax.public import public
+from usvkernels.fleet.state import ABSENT
+from usvkernels.status import Status
+
+GOAL_TOLERANCE = 10.0
+"""m from its slot, within which a vessel stops; not printed."""
+
+ROOM = 1.5
+"""Default spacing, in distances at which hulls pass each other."""
+
+
+@dataclass(frozen=True)
+class AggregateResult(FleetResult):
+    """How B aggregations ended, beside what `FleetResult` says.
+
+    Attributes:
+        formed: bool[B], whether every vessel holds its slot, within the heading tolerance.
+        formed_time: float32[B], when they had all held it for the hold time (s); inf if not.
+        slot: int32[B, n], the slot that each vessel was given.
+        formation_error: float32[B], largest distance of a vessel from its slot at the end (m).
+        slots: float64[B, n, 2], the places of those slots (m).
+    """
+
+    formed: np.ndarray
+    formed_time: np.ndarray
+    slot: np.ndarray
+    formation_error: np.ndarray
+    slots: np.ndarray
+
+
+@public("usvkernels.fleet")
+def aggregate(
+    scene: Any,
+    starts: Any,
+    centre: Any,
+    heading: Any,
+    *,
+    formation: Any = "wedge",
+    spacing: float | None = None,
+    assignment: str = "hungarian",
+    encounters: str = "rules",
+    hold_time: float = 10.0,
+    heading_tolerance: float = np.radians(5.0),
+    valid: Any = None,
+    params: FleetParams | None = None,
+    static: FleetStatic | None = None,
+    record: bool = False,
+) -> AggregateResult:
+    """Gather B fleets of n vessels in a formation, all on one heading.
+
+    Each vessel navigates (`navigate`) to a slot by a guide segment on the heading (Wei & Zhang
+    2023, section 2.3.2), stops there and holds it.
+
+    Args:
+        scene, starts, encounters, valid, static, record: as of `navigate`.
+        centre: float[B, 2] or float[2], of the formation (m).
+        heading: float[B] or one number (rad).
+        formation: "wedge", "line" (abreast), "column", "circle", or float[S, 2], slots of one's
+            own: m ahead of the centre and to port.
+        spacing: between neighbouring slots (m); None: one and a half times the distance at which
+            the largest hulls pass each other.
+        assignment: "hungarian" (the least sum of distances), "nearest" (pair by pair) or "given".
+        hold_time: that every vessel is to hold its slot for (s).
+        heading_tolerance: for a vessel that holds its slot (rad).
+        params: numbers; by default those of `navigate`, with a goal tolerance of 10 m.
+
+    Returns:
+        The outcomes, in the order of `starts`.
+
+    Raises:
+        BadTypeError, BadInputError: as `navigate`; a formation tighter than the hulls, with fewer
+            slots than vessels, or with a slot in an obstacle.
+    """
+    params = FleetParams(goal_tolerance=GOAL_TOLERANCE) if params is None else params
+    static = FleetStatic() if static is None else static
+    start = float_array("starts", starts, (None, None, 3))
+    fleets, n = start.shape[:2]
+    centres = _of_fleets("centre", centre, fleets, (2,))
+    headings = _of_fleets("heading", heading, fleets, ())
+    hold_time = not_negative("hold_time", hold_time)
+    heading_tolerance = positive("heading_tolerance", heading_tolerance)
+    hull = np.broadcast_to(np.asarray(params.hull_radius, np.float64), (fleets, n))
+    if spacing is None:
+        spacing = ROOM * float(2 * hull.max() + np.max(params.passing))
+    slots = slots_of(formation, n, spacing)
+    check_tight(slots, hull)
+    there = placed(slots, centres, headings)
+    slot = assigned(assignment, start[..., :2], there)
+    goals = np.take_along_axis(there, slot[..., None].astype(np.int64), axis=1)
+    found = navigate(
+        scene,
+        start,
+        goals,
+        headings=np.repeat(headings[:, None], n, axis=1),
+        valid=valid,
+        encounters=encounters,
+        params=params,
+        static=static,
+        record=record,
+    )
+    return _formed(found, slot, goals, hold_time, heading_tolerance)
+
+
+def _of_fleets(name: str, value: Any, fleets: int, shape: tuple[int, ...]) -> np.ndarray:
+    """One of a kind for each fleet, [B, ...]; given once, or for each."""
+    array = np.asarray(value)
+    if array.ndim == len(shape):
+        return np.broadcast_to(float_array(name, value, shape), (fleets, *shape))
+    return float_array(name, value, (fleets, *shape))
+
+
+def _formed(
+    found: FleetResult,
+    slot: np.ndarray,
+    goals: np.ndarray,
+    hold_time: float,
+    tolerance: float,
+) -> AggregateResult:
+    absent = found.vessel_status == ABSENT
+    holds = (found.vessel_status == int(Status.REACHED)) & (found.heading_error <= tolerance)
+    formed = np.all(holds | absent, axis=1)
+    # Who has arrived brakes: it holds its slot from the step in which it stops.
+    at_rest = np.where(absent, 0.0, found.rest_time).max(axis=1)
+    off = np.linalg.norm(found.final[..., :2] - goals, axis=-1)
+    own = {f.name: getattr(found, f.name) for f in fields(FleetResult)}
+    return AggregateResult(
+        **own,
+        formed=formed,
+        formed_time=np.where(formed, at_rest + hold_time, np.inf).astype(np.float32),
+        slot=slot,
+        formation_error=np.where(absent, 0.0, off).max(axis=1).astype(np.float32),
+        slots=goals,
+    )

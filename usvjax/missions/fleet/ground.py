@@ -1,0 +1,150 @@
+"""Where fleets sail: open water, circles, or a map; what is clear there, and the ways round."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from usvjax.errors import BadInputError
+from usvjax.maps.grid_map import check_size
+from usvjax.paths.smoothing import key_points
+from usvjax.search.astar import astar
+from usvkernels.dwa.clearance import FAR
+from usvkernels.status import Status
+
+AT_ONCE = 1 << 22
+"""Numbers in one array of a check."""
+
+
+class Ground(Protocol):
+    """Where fleets sail; rows are vessels, each of a fleet."""
+
+    def clear(
+        self, fleet: np.ndarray, start: np.ndarray, end: np.ndarray, reach: np.ndarray
+    ) -> np.ndarray:
+        """Whether segments keep their distance from everything; bool[R].
+
+        Args:
+            fleet: int[R].
+            start, end: float64[R, 2] (m).
+            reach: float64[R] (m).
+        """
+        ...
+
+    def path(
+        self, fleet: np.ndarray, start: np.ndarray, end: np.ndarray, reach: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Shortest ways, as corners.
+
+        Args: as of `clear`.
+
+        Returns:
+            float64[R, P, 2] (m), the last repeated; int32[R], how many there are; bool[R], whether
+            there is a way.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Circles:
+    """Round obstacles; without any, open water.
+
+    Attributes:
+        centres: float64[B or 1, K, 2] (m), FAR pads.
+        cell_size: of the grid on which a way is searched (m).
+    """
+
+    centres: np.ndarray
+    cell_size: float
+
+    def clear(
+        self, fleet: np.ndarray, start: np.ndarray, end: np.ndarray, reach: np.ndarray
+    ) -> np.ndarray:
+        """See `Ground`."""
+        found = np.ones(len(fleet), bool)
+        each = max(1, AT_ONCE // max(1, self.centres.shape[1]))
+        for first in range(0, len(fleet), each):
+            part = slice(first, first + each)
+            least = _distance(start[part], end[part], self._of(fleet[part]))
+            found[part] = np.all(least >= reach[part, None] * (1 - 1e-9), axis=1)
+        return found
+
+    def path(
+        self, fleet: np.ndarray, start: np.ndarray, end: np.ndarray, reach: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """See `Ground`."""
+        found = np.ones(len(fleet), bool)
+        corners, counts = np.stack([start, end], axis=1), np.full(len(fleet), 2, np.int32)
+        around = np.flatnonzero(~self.clear(fleet, start, end, reach))
+        if not len(around):
+            return corners, counts, found
+        blocked, origin = self._grids(fleet[around], start[around], end[around], reach[around])
+        first, last = (self._cells(p[around], origin, blocked.shape) for p in (start, end))
+        # The cell of a vessel or a goal may be shut by what is only near.
+        every = np.arange(len(around))
+        for cell in (first, last):
+            blocked[every, cell[:, 1], cell[:, 0]] = False
+        ways = astar(blocked, first, last)
+        reached = ways.status == int(Status.FOUND)
+        keys = key_points(ways.path, np.where(reached, ways.path_cells, 0), blocked)
+        count = np.where(reached, np.maximum(keys.path_cells, 2), 2)
+        points = origin[:, None] + self.cell_size * (keys.path[:, : count.max()] + 0.5)
+        points = np.concatenate([points, points[:, -1:]], axis=1)[:, : max(2, count.max())]
+        points[:, 0] = start[around]
+        at_end = np.arange(points.shape[1]) >= (count - 1)[:, None]
+        points = np.where(at_end[..., None], end[around, None], points)
+        corners = np.concatenate(
+            [corners, np.repeat(end[:, None], points.shape[1] - 2, axis=1)], axis=1
+        )
+        corners[around], counts[around], found[around] = points, count, reached
+        return corners, counts, found
+
+    def _of(self, fleet: np.ndarray) -> np.ndarray:
+        return self.centres[fleet if len(self.centres) > 1 else np.zeros_like(fleet)]
+
+    def _cells(self, points: np.ndarray, origin: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+        cells = np.floor((points - origin) / self.cell_size).astype(np.int64)
+        return np.clip(cells, 0, np.array(shape[:0:-1]) - 1)
+
+    def _grids(
+        self, fleet: np.ndarray, start: np.ndarray, end: np.ndarray, reach: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Blocked cells about each vessel's passage, bool[R, H, W], and their corners (m)."""
+        centres = self._of(fleet)
+        there = centres[..., 0] < FAR / 2
+        # A cell is shut if any of it is too near: the way found is clear, whatever the cells.
+        keep = reach + self.cell_size * np.sqrt(0.5)
+        room = (reach + 3 * self.cell_size)[:, None]
+        ends = np.stack([start, end], axis=1)
+        low = np.minimum(
+            ends.min(axis=1), np.where(there[..., None], centres, np.inf).min(axis=1) - room
+        )
+        high = np.maximum(
+            ends.max(axis=1), np.where(there[..., None], centres, -np.inf).max(axis=1) + room
+        )
+        low, high = low - 2 * self.cell_size, high + 2 * self.cell_size
+        width, height = (int(n) for n in np.ceil((high - low).max(axis=0) / self.cell_size))
+        if not height * width * len(fleet) < 2**31:
+            raise BadInputError(
+                f"static.cell_size: {len(fleet)} grids of {height} x {width} cells of "
+                f"{self.cell_size:g} m; wanted fewer, by larger cells"
+            )
+        check_size(height, width, "the grid of a route")
+        blocked = np.zeros((len(fleet), height, width), bool)
+        x = low[:, :1] + self.cell_size * (np.arange(width) + 0.5)
+        y = low[:, 1:] + self.cell_size * (np.arange(height) + 0.5)
+        for k in range(centres.shape[1]):
+            east, north = x - centres[:, k, :1], y - centres[:, k, 1:]
+            square = north[:, :, None] ** 2 + east[:, None, :] ** 2
+            blocked |= square < keep[:, None, None] ** 2
+        return blocked, low
+
+
+def _distance(start: np.ndarray, end: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """From segments [R, 2] to points [R, K, 2]; m, [R, K]."""
+    way = end - start
+    square = np.maximum(np.sum(way * way, axis=1), 1e-300)[:, None]
+    offset = centres - start[:, None]
+    share = np.clip(np.einsum("rkd,rd->rk", offset, way) / square, 0.0, 1.0)
+    nearest = offset - share[..., None] * way[:, None]
+    return np.sqrt(np.sum(nearest * nearest, axis=2))

@@ -1,0 +1,210 @@
+"""What an observer notes of every pair of a recorded fleet: who met whom how, and who did what.
+
+Written in NumPy and double precision on recorded tracks alone: it knows nothing of the strategies,
+so it judges them all alike. Made for open water, where a vessel that meets nobody keeps its course.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from usvjax.checks import float_array, positive
+from usvjax.public import public
+
+NONE, HEAD_ON, CROSSING, OVERTAKING = range(4)
+KINDS = ("none", "head-on", "crossing", "overtaking")
+
+AHEAD, ABAFT = np.cos(np.radians(6.0)), np.cos(np.radians(112.5))
+UNDER_WAY = 0.9
+"""Of a vessel's largest speed, with which it is seen for the first time."""
+
+ALTERED, SLOWED = np.radians(10.0), 0.1
+"""What another vessel would notice: a course altered so much, a share of the speed lost."""
+
+LAST_MOMENT = 60.0
+"""Seconds before contact, from which a stand-on vessel may act as well."""
+
+
+@dataclass(frozen=True)
+class Meetings:
+    """Pairs of B fleets, [B, n, n]: of vessel i with vessel j; numpy arrays.
+
+    Attributes:
+        kind: int, HEAD_ON, CROSSING, OVERTAKING by the bearings at first sight; NONE where the two
+            would not pass within the distance wanted.
+        gives_way: bool, whether i gives way to j.
+        dcpa, tcpa: at first sight, between centres (m) and from then (s).
+        action_time: when i first altered course or speed so that it shows (s); inf if never.
+        action_dcpa, action_tcpa: then; NaN if never.
+        least_distance: between hulls (m), over the record.
+        to_starboard, to_port: largest alterations of i until the two are closest (rad).
+        slowest: of i until then, as a share of its speed at first sight.
+        kept: bool, whether i did what the rules ask of it.
+    """
+
+    kind: np.ndarray
+    gives_way: np.ndarray
+    dcpa: np.ndarray
+    tcpa: np.ndarray
+    action_time: np.ndarray
+    action_dcpa: np.ndarray
+    action_tcpa: np.ndarray
+    least_distance: np.ndarray
+    to_starboard: np.ndarray
+    to_port: np.ndarray
+    slowest: np.ndarray
+    kept: np.ndarray
+
+
+@public()
+def meetings(
+    trajectory: np.ndarray, hull_radius: np.ndarray, passing: float, dt: float
+) -> Meetings:
+    """Note what happened between the vessels of recorded fleets.
+
+    Args:
+        trajectory: float[B, T, n, 5], of `navigate`.
+        hull_radius: float[B, n] or float[1, n] (m).
+        passing: distance wanted between hulls (m); pairs that would pass farther off do not meet.
+        dt: control period (s).
+
+    Raises:
+        BadTypeError, BadInputError: other types or shapes.
+    """
+    track = float_array("trajectory", trajectory, (None, None, None, 5))
+    fleets, _, n, _ = track.shape
+    hull = np.broadcast_to(float_array("hull_radius", hull_radius, (None, n)), (fleets, n))
+    wanted = positive("passing", passing)
+    step = positive("dt", dt)
+    parts = [
+        _pair(track[:, :, i], track[:, :, j], hull[:, i] + hull[:, j], wanted, step)
+        for i in range(n)
+        for j in range(n)
+    ]
+    names = list(Meetings.__annotations__)
+    made = {
+        name: np.stack([part[name] for part in parts], axis=1).reshape(fleets, n, n)
+        for name in names
+    }
+    own = np.eye(n, dtype=bool)
+    made["kind"][:, own], made["gives_way"][:, own], made["kept"][:, own] = NONE, False, True
+    return Meetings(**made)
+
+
+def _pair(
+    own: np.ndarray, other: np.ndarray, hulls: np.ndarray, passing: float, dt: float
+) -> dict[str, np.ndarray]:
+    """Of vessels [B, T, 5]: what the first does about the second."""
+    row = np.arange(len(own))
+    first = np.maximum(_seen(own), _seen(other))
+    apart = np.linalg.norm(other[..., :2] - own[..., :2], axis=-1)
+    time = np.arange(apart.shape[1])
+    apart_since = np.where(time >= first[:, None], apart, np.inf)
+    closest = apart_since.argmin(axis=1)
+    place, velocity = _relative(own[row, first], other[row, first])
+    dcpa, tcpa = _approach(place, velocity)
+    kind, gives = _roles(own[row, first], other[row, first], place)
+    meets = (tcpa > 0) & (dcpa < hulls + passing)
+    kind, gives = np.where(meets, kind, NONE), gives & meets
+    turned = (own[..., 2] - own[row, first, 2][:, None] + np.pi) % (2 * np.pi) - np.pi
+    speed = own[..., 3] / np.maximum(own[row, first, 3], 1e-9)[:, None]
+    during = (time >= first[:, None]) & (time <= closest[:, None])
+    acted = during & ((np.abs(turned) > ALTERED) | (speed < 1 - SLOWED))
+    action = acted.argmax(axis=1)
+    never = ~acted.any(axis=1)
+    then_dcpa, then_tcpa = _approach(*_relative(own[row, action], other[row, action]))
+    starboard = np.where(during, -turned, 0.0).max(axis=1)
+    port = np.where(during, turned, 0.0).max(axis=1)
+    found = {
+        "kind": kind,
+        "gives_way": gives,
+        "dcpa": dcpa,
+        "tcpa": tcpa,
+        "action_time": np.where(never, np.inf, action * dt),
+        "action_dcpa": np.where(never, np.nan, then_dcpa),
+        "action_tcpa": np.where(never, np.nan, then_tcpa),
+        "least_distance": apart.min(axis=1) - hulls,
+        "to_starboard": starboard,
+        "to_port": port,
+        "slowest": np.where(during, speed, np.inf).min(axis=1),
+    }
+    place, _ = _relative(own[row, closest], other[row, closest])
+    bow = own[row, closest, 2]
+    to_port = np.cos(bow) * place[:, 1] - np.sin(bow) * place[:, 0] > 0
+    # Once clear it may come back to its route from starboard: what counts is its first action.
+    began_to_port = turned[row, action] > ALTERED
+    contact = _contact(own[row, action], other[row, action], hulls)
+    acted_well = ~began_to_port & (to_port | (found["least_distance"] >= hulls + 2 * passing))
+    return found | {"kept": _kept(found, acted_well, never, contact)}
+
+
+def _kept(
+    found: dict[str, np.ndarray], acted_well: np.ndarray, never: np.ndarray, contact: np.ndarray
+) -> np.ndarray:
+    """Whether a vessel did what its role asks.
+
+    Args:
+        found: of the pairs.
+        acted_well: whether it did not begin to port, and the other passed to port or far off.
+        never: whether the vessel never acted.
+        contact: how long before contact it did (s), inf where there would have been none.
+    """
+    kind, gives = found["kind"], found["gives_way"]
+    clear = found["least_distance"] > 0
+    in_time = ~never & (contact > LAST_MOMENT)
+    yields = clear & in_time & acted_well
+    overtakes = clear & in_time
+    stands = clear & (never | (contact <= LAST_MOMENT))
+    role = np.where(kind == OVERTAKING, overtakes, yields)
+    return np.where(kind == NONE, True, np.where(gives, role, stands))
+
+
+def _seen(track: np.ndarray) -> np.ndarray:
+    """Step of [B, T, 5] from which a vessel is well under way."""
+    speed = track[..., 3]
+    return (speed >= UNDER_WAY * speed.max(axis=1, keepdims=True)).argmax(axis=1)
+
+
+def _velocity(state: np.ndarray) -> np.ndarray:
+    bow = np.stack([np.cos(state[:, 2]), np.sin(state[:, 2])], axis=1)
+    return state[:, 3, None] * bow
+
+
+def _relative(own: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return other[:, :2] - own[:, :2], _velocity(other) - _velocity(own)
+
+
+def _approach(place: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """DCPA (m) and TCPA (s); for equal velocities the distance, and 0."""
+    square = np.sum(velocity**2, axis=1)
+    time = -np.sum(place * velocity, axis=1) / np.where(square > 0, square, 1.0)
+    time = np.where(square > 0, time, 0.0)
+    return np.linalg.norm(place + velocity * time[:, None], axis=1), time
+
+
+def _contact(own: np.ndarray, other: np.ndarray, hulls: np.ndarray) -> np.ndarray:
+    """When straight courses would bring hulls into contact (s); inf if they would not."""
+    dcpa, tcpa = _approach(*_relative(own, other))
+    speed = np.linalg.norm(_velocity(other) - _velocity(own), axis=1)
+    half = np.sqrt(np.maximum(hulls**2 - dcpa**2, 0.0)) / np.maximum(speed, 1e-9)
+    return np.where((dcpa < hulls) & (tcpa > 0), np.maximum(tcpa - half, 0.0), np.inf)
+
+
+def _roles(own: np.ndarray, other: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Kind of meeting, and whether the first gives way, by Rules 13 to 15."""
+    distance = np.maximum(np.linalg.norm(place, axis=1), 1e-9)
+
+    def bearing(state: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        cos, sin = np.cos(state[:, 2]), np.sin(state[:, 2])
+        ahead = (cos * to[:, 0] + sin * to[:, 1]) / distance
+        return ahead, cos * to[:, 1] - sin * to[:, 0] < 0
+
+    ahead, starboard = bearing(own, place)
+    theirs, their_starboard = bearing(other, -place)
+    reciprocal = np.cos(own[:, 2] - other[:, 2]) <= -AHEAD
+    overtaken, overtakes = ahead < ABAFT, theirs < ABAFT
+    both = (reciprocal & (ahead >= AHEAD) & (theirs >= AHEAD)) | (starboard == their_starboard)
+    head_on = both & ~overtaken & ~overtakes
+    kind = np.where(overtaken | overtakes, OVERTAKING, np.where(head_on, HEAD_ON, CROSSING))
+    gives = np.where(kind == OVERTAKING, overtakes & ~overtaken, head_on | starboard)
+    return kind, gives
