@@ -10,7 +10,8 @@ import pytest
 from navigate_episodes import PARAMS, STATIC, B, assert_same, sail
 
 import usvjax as uj
-from usvjax.missions.dwa.inputs import PackedEpisodes, _chart, pack_episodes
+from usvjax.maps.sensed import charted
+from usvjax.missions.dwa.inputs import PackedEpisodes, pack_episodes
 from usvjax.missions.dwa.run import NavigateResult
 from usvkernels.dwa.episodes import sensed
 from usvkernels.dwa.window import Motion
@@ -126,7 +127,7 @@ def test_a_swept_reach_wants_a_sensing_range() -> None:
 def test_past_the_edge_of_a_map_the_nearest_cell_is_sensed() -> None:
     blocked = np.zeros((12, 40), bool)
     blocked[8:, 10:14] = True
-    chart = _chart(uj.GridMap(blocked), 5.0)
+    chart = charted(uj.GridMap(blocked), 5.0)
 
     def seen(y: float) -> np.ndarray:
         motion = Motion(jnp.array([[9.0], [y], [0.0], [0.0], [0.0]]))
