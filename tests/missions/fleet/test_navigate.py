@@ -107,6 +107,7 @@ def test_vessels_have_names_and_no_rank(recorded):
     assert np.array_equal(other.min_separation, found.min_separation)
 
 
+@pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: programs of its own")
 def test_masked_vessels_are_not_there():
     starts, goals, circles = layouts(16, 4, 2)
     valid = np.ones((16, 4), bool)
@@ -184,6 +185,7 @@ def test_a_goal_within_a_ring_of_circles_is_unreachable():
     assert found.path_length[0, 0] == 0.0
 
 
+@pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: programs of its own")
 def test_maps_are_sailed_round_and_places_on_an_edge_are_places():
     rng = np.random.default_rng(6)
     blocked = np.zeros((16, 40, 40), bool)
