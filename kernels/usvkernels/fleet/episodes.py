@@ -16,7 +16,7 @@ from usvkernels.fleet import guidance, steering
 from usvkernels.fleet.approach import dot, least_square
 from usvkernels.fleet.models import MODELS
 from usvkernels.fleet.params import Passage, Settings
-from usvkernels.fleet.sight import Obstacles, between, minus, others, sums
+from usvkernels.fleet.sight import Obstacles, between, minus, nearest_square, others, sums
 from usvkernels.fleet.state import ABSENT, BOOKS, Fleet, Jobs, Outcome
 from usvkernels.lanes import Program
 from usvkernels.status import Status
@@ -25,8 +25,6 @@ from usvkernels.vessel import Complex
 AT_REST = 0.01
 """m/s, below which a vessel whose passage has ended has stopped: a hull with a mass never quite
 does."""
-
-STRATEGIES = ("none", "wei2023", "rules", "orca")
 
 
 def program(jobs: Jobs, settings: Settings) -> Program:
@@ -151,8 +149,8 @@ def _judge(
     clear = _clearance(passage, dt, before, went, obstacles)
     under_way, steps = before.under_way, after.steps
     x, y = after.place
-    east, north = x - after.anchor[0], y - after.anchor[1]
-    way = east * east + north * north > passage.stuck_distance * passage.stuck_distance
+    made = minus(after.place, after.anchor)
+    way = dot(made, made) > passage.stuck_distance * passage.stuck_distance
     anchor_step = jnp.where(way, steps, after.anchor_step)
     idle = (steps - anchor_step).astype(x.dtype) * dt >= passage.stuck_time
     nowhere = (steps - after.index_step).astype(x.dtype) * dt >= passage.livelock_time
@@ -189,18 +187,9 @@ def _clearance(
     passage: Passage, dt: Scalar, before: Fleet, went: Complex, obstacles: Obstacles
 ) -> Array:
     """Least distance to an obstacle's circle in a step; m, [n, lanes]."""
-    x, y = before.place
-
-    def nearest(k: Array, least: Array) -> Array:
-        place = obstacles.centre[0, k] - x, obstacles.centre[1, k] - y
-        closing = -went[0], -went[1]
-        if obstacles.velocity is not None:
-            theirs = obstacles.velocity[:, k] * dt
-            closing = theirs[0] - went[0], theirs[1] - went[1]
-        return jnp.minimum(least, least_square(place, closing, 1.0))
-
-    least = jnp.full_like(x, jnp.inf)
-    least = jax.lax.fori_loop(0, obstacles.centre.shape[1], nearest, least)
+    velocity = None if obstacles.velocity is None else obstacles.velocity * dt
+    in_a_step = Obstacles(obstacles.centre, velocity)
+    least = nearest_square(in_a_step, before.place, went, 1.0)
     return jnp.sqrt(least) - (passage.hull_radius + passage.obstacle_radius)
 
 

@@ -7,7 +7,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from usvkernels.fleet.approach import dot
 from usvkernels.fleet.params import Passage
+from usvkernels.fleet.sight import minus
 from usvkernels.vessel import Complex
 
 
@@ -81,5 +83,5 @@ def _vessel(index: Array) -> Array:
 
 
 def _square_to(at: Complex, place: Complex) -> Array:
-    east, north = at[0] - place[0], at[1] - place[1]
-    return east * east + north * north
+    off = minus(at, place)
+    return dot(off, off)

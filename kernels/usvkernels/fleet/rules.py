@@ -17,7 +17,16 @@ from jax import Array
 
 from usvkernels.fleet.approach import contact_time, cross, dot, least_square
 from usvkernels.fleet.params import Encounters
-from usvkernels.fleet.sight import Obstacles, Orders, Vessels, between, others, over_ground, sums
+from usvkernels.fleet.sight import (
+    Obstacles,
+    Orders,
+    Vessels,
+    between,
+    nearest_square,
+    others,
+    over_ground,
+    sums,
+)
 from usvkernels.vessel import Complex, complex_product
 from usvkernels.xla.single import single
 
@@ -82,15 +91,16 @@ def meet(
     Returns:
         Orders, roles and alterations from now on.
     """
-    seen, roles = _look(how, vessels, roles)
+    seen = _look(how, vessels, roles)
     altered = _choose(how, vessels, seen, circles, reach, altered)
     course, share = _rotated(vessels.course, altered)
-    keep = seen.other & (seen.must | ((roles != STAND_ON) & (roles != OVERTAKEN)))
+    stands_on = (seen.role == STAND_ON) | (seen.role == OVERTAKEN)
+    keep = seen.other & (seen.must | ~stands_on)
     still = jnp.zeros_like(vessels.present)
-    return Orders(course, share * vessels.speed, keep, still), roles, altered
+    return Orders(course, share * vessels.speed, keep, still), seen.role, altered
 
 
-def _look(how: Encounters, vessels: Vessels, roles: Array) -> tuple[Seen, Array]:
+def _look(how: Encounters, vessels: Vessels, roles: Array) -> Seen:
     """Roles, and whom each vessel has to keep clear of."""
     other = others(vessels.present)
     place = between(vessels.place)
@@ -110,7 +120,7 @@ def _look(how: Encounters, vessels: Vessels, roles: Array) -> tuple[Seen, Array]
     contact = contact_time(place, actual, sums(vessels.hull))
     gives = (roles == HEAD_ON) | (roles == GIVE_WAY) | (roles == OVERTAKING)
     must = other & (gives | (contact < how.act_time))
-    return Seen(vessels.velocity, intent, roles, must, other, wanted), roles
+    return Seen(vessels.velocity, intent, roles, must, other, wanted)
 
 
 def _wanted(how: Encounters, vessels: Vessels, place: Complex) -> Array:
@@ -234,17 +244,7 @@ def _aground(
     place: Complex, velocity: Complex, circles: Obstacles, reach: Array, until: Array | float
 ) -> Array:
     """As `_shortfall`, of obstacles."""
-
-    def nearest(k: Array, least: Array) -> Array:
-        off = circles.centre[0, k] - place[0], circles.centre[1, k] - place[1]
-        closing = -velocity[0], -velocity[1]
-        if circles.velocity is not None:
-            theirs = circles.velocity[:, k]
-            closing = theirs[0] - velocity[0], theirs[1] - velocity[1]
-        return jnp.minimum(least, least_square(off, closing, until))
-
-    least = jnp.full_like(reach, jnp.inf)
-    least = jax.lax.fori_loop(0, circles.centre.shape[1], nearest, least)
+    least = nearest_square(circles, place, velocity, until)
     return jnp.maximum(1.0 - jnp.sqrt(least) / reach, 0.0)
 
 

@@ -6,8 +6,9 @@ Of a pair, the first axis is the vessel that looks, the second the one that it l
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
+from usvkernels.fleet.approach import least_square
 from usvkernels.vessel import Complex
 
 
@@ -43,6 +44,29 @@ class Orders(NamedTuple):
     cap: Array  # m/s, speed not to exceed
     sees: Array  # bool[n, n, lanes], whether the dynamic window keeps clear of j
     still: Array  # bool[n, lanes], seen by the others as if at rest
+
+
+def nearest_square(
+    circles: Obstacles, place: Complex, velocity: Complex, until: Array | float
+) -> Array:
+    """Least squared distance of vessels [n, lanes] to a circle's centre from now on (m^2).
+
+    Args:
+        circles: obstacles.
+        place, velocity: of the vessels (m, m/s).
+        until: how long they are sailed (s).
+    """
+
+    def nearest(k: Array, least: Array) -> Array:
+        off = circles.centre[0, k] - place[0], circles.centre[1, k] - place[1]
+        closing = -velocity[0], -velocity[1]
+        if circles.velocity is not None:
+            theirs = circles.velocity[:, k]
+            closing = theirs[0] - velocity[0], theirs[1] - velocity[1]
+        return jnp.minimum(least, least_square(off, closing, until))
+
+    least = jnp.full_like(place[0], jnp.inf)
+    return lax.fori_loop(0, circles.centre.shape[1], nearest, least)
 
 
 def over_ground(vessels: Vessels, velocity: Complex) -> Complex:

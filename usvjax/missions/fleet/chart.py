@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-import scipy
 
+from usvjax.maps import GridMap
+from usvjax.memory import check_memory
 from usvjax.paths.inputs import Frame
 from usvjax.paths.smoothing import key_points
 from usvjax.paths.water import segments_clear
@@ -77,19 +79,15 @@ class Chart:
         """
         layer = np.zeros_like(fleet) if len(self.blocked) == 1 else fleet
         if len(np.unique(layer)) == len(np.unique(reach)) == 1:
-            yield np.arange(len(fleet)), (self._distance(layer[0]) < reach[0])[None]
+            yield np.arange(len(fleet)), (self._distance[layer[0]] < reach[0])[None]
             return
         each = max(1, MOST_CELLS // self.blocked[0].size)
-        distance: dict[int, np.ndarray] = {}
         for first in range(0, len(fleet), each):
             rows = np.arange(first, min(first + each, len(fleet)))
-            for number in np.unique(layer[rows]):
-                distance[int(number)] = self._distance(number)
-            yield rows, np.stack([distance[int(layer[row])] < reach[row] for row in rows])
-            distance = {int(layer[rows[-1]]): distance[int(layer[rows[-1]])]}
+            yield rows, np.stack([self._distance[layer[row]] < reach[row] for row in rows])
 
-    def _distance(self, layer: int) -> np.ndarray:
-        blocked = self.blocked[layer]
-        if not blocked.any():
-            return np.full(blocked.shape, np.inf)
-        return self.cell_size * scipy.ndimage.distance_transform_edt(~blocked)
+    @cached_property
+    def _distance(self) -> np.ndarray:
+        """From each cell's centre to the nearest of a blocked one, float64[B or 1, H, W] (m)."""
+        check_memory(8 * self.blocked.size, f"scene: {len(self.blocked)} maps")
+        return np.stack([GridMap(cells, self.cell_size).clearance() for cells in self.blocked])

@@ -1,6 +1,6 @@
 """Formations, and which vessel takes which of their slots."""
 
-from itertools import product
+from itertools import combinations
 from math import ceil, pi, sin
 from typing import Any
 
@@ -66,9 +66,9 @@ def placed(slots: np.ndarray, centre: np.ndarray, heading: np.ndarray) -> np.nda
 def check_tight(slots: np.ndarray, hull: np.ndarray) -> None:
     """Refuse slots that hulls, float64[B, n] (m), do not fit into side by side."""
     largest = np.sort(hull, axis=1)[:, ::-1][:, :2].sum(axis=1).max() if hull.shape[1] > 1 else 0.0
-    for i, j in product(range(len(slots)), repeat=2):
+    for i, j in combinations(range(len(slots)), 2):
         apart = float(np.hypot(*(slots[i] - slots[j])))
-        if i < j and apart < largest:
+        if apart < largest:
             raise BadInputError(
                 f"formation: slots {i} and {j} are {apart:g} m apart; wanted at least "
                 f"{largest:g} m, the hulls of two vessels: a larger spacing"
