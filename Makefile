@@ -9,10 +9,10 @@ study: $(VENV)/.installed  ## install, then run the main job: table, figures, pa
 	$(BIN)/usvjax study studies/tan2022.toml
 
 test: $(VENV)/.tools  ## install, then run the tests
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --max-worker-restart 0
 
 fuzz: $(VENV)/.tools  ## the tests again, their properties on ten times as many new cases
-	USVJAX_FUZZ=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	USVJAX_FUZZ=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --max-worker-restart 0
 
 lint: $(VENV)/.tools  ## linter, formatter and type checker
 	$(BIN)/ruff check .

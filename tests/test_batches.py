@@ -1,6 +1,7 @@
 """Rows dealt into blocks, run and joined: each once, in order, and no padding to be seen."""
 
 import threading
+from functools import partial
 from typing import Any
 
 import jax
@@ -24,7 +25,7 @@ from usvjax.batches import (
     sized,
     split,
 )
-from usvjax.programs import Programs
+from usvjax.programs import Programs, make_room, mappings
 
 COUNTS = st.integers(1, 300)
 MOSTS = st.integers(1, 80)
@@ -231,3 +232,26 @@ def test_programs_are_compiled_once_for_each_device() -> None:
     assert len(traced) == 1
     assert programs.ready("plus one", [device])
     assert not programs.ready("plus two", [device])
+
+
+def test_compiled_programs_go_before_a_process_has_no_room_for_more(monkeypatch) -> None:
+    """JAX crashes where mappings of memory run out: each kernel takes three."""
+    programs, device = Programs(), jax.local_devices()[0]
+
+    @partial(jax.jit, static_argnames="times")
+    def kernel(values: jax.Array, times: int) -> jax.Array:
+        return jnp.sort(jnp.cumsum(values) * times)
+
+    def compiled(times: int) -> bool:
+        programs.run(times, device, kernel, np.arange(3.0, dtype=np.float32), times=times)
+        make_room()
+        return programs.ready(times, [device])
+
+    taken = mappings()
+    assert taken > 0
+    monkeypatch.setattr("usvjax.programs.most_mappings", lambda: 2 * taken + 60)
+    assert compiled(1)
+    kept = [compiled(times) for times in range(2, 30)]
+    assert not all(kept)
+    assert any(kept)
+    assert mappings() < taken + 60

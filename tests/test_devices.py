@@ -64,6 +64,10 @@ def test_usable_cores_follow_the_affinity() -> None:
         assert run_python(code) == "1"
 
 
+UNSET = {"JAX_COMPILATION_CACHE_DIR": "", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": ""}
+"""Of the variables that the tests themselves run with."""
+
+
 def test_compilation_cache_is_used(tmp_path: Path) -> None:
     code = (
         "import jax, jax.numpy as jnp\n"
@@ -72,13 +76,14 @@ def test_compilation_cache_is_used(tmp_path: Path) -> None:
         "jax.config.update('jax_persistent_cache_min_compile_time_secs', 0)\n"
         "jax.jit(lambda x: jnp.sin(x) @ jnp.cos(x).T)(jnp.ones((8, 8)))\n"
     )
-    folder = run_python(code, XDG_CACHE_HOME=str(tmp_path))
+    folder = run_python(code, XDG_CACHE_HOME=str(tmp_path), **UNSET)
     assert Path(folder) == tmp_path / "usvjax" / "compiled"
     assert list(Path(folder).iterdir())
     home = run_python(
         "from usvjax.devices import use_compilation_cache as u; print(u())",
         XDG_CACHE_HOME="",
         HOME=str(tmp_path),
+        **UNSET,
     )
     assert Path(home) == tmp_path / ".cache" / "usvjax" / "compiled"
 
@@ -115,9 +120,8 @@ def test_what_the_user_has_set_of_the_cache_stays(
     tmp_path: Path, before: str, variables: dict[str, str], folder: str, seconds: float
 ) -> None:
     place = str(tmp_path)
-    unset = {"JAX_COMPILATION_CACHE_DIR": "", "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": ""}
     given = {name: value.format(place) for name, value in variables.items()}
-    found = run_python(before.format(place) + SETTINGS, XDG_CACHE_HOME=place, **(unset | given))
+    found = run_python(before.format(place) + SETTINGS, XDG_CACHE_HOME=place, **(UNSET | given))
     assert found.split() == [folder.format(place), str(float(seconds))]
 
 

@@ -9,6 +9,7 @@ import jax
 import numpy as np
 
 from usvjax.devices import chosen_devices, share_out
+from usvjax.programs import make_room
 
 SIZES = (8, 64, 512)
 """Rows in one call of a device; few sizes, since each is compiled."""
@@ -48,6 +49,7 @@ class Batch:
             What each block's work returned, in the order of the blocks, arrays on the host.
         """
         if at_once and len(self.blocks) <= len(self.devices):
+            make_room()
             pairs = zip(self.blocks, self.devices[: len(self.blocks)], strict=True)
             # All begin before the first is waited for.
             begun = [work(filled(rows, self.size), len(rows), device) for rows, device in pairs]
@@ -63,6 +65,7 @@ class Batch:
         def on_device(rows: np.ndarray, device: jax.Device) -> Any:
             return jax.device_get(work(filled(rows, self.size), len(rows), device))
 
+        make_room()
         yield from share_out(on_device, self.blocks, self.devices)
 
     def join(self, parts: Sequence[Any], axis: int = 0) -> np.ndarray:
