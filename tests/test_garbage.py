@@ -29,7 +29,8 @@ OTHER_PROGRAMS = {
     ("turn_cost", "zero"),
     ("weight", "zero"),
     ("weight", "array of no dimensions"),
-    *((name, "None") for name in ("iterations", "population")),
+    ("record", "True"),
+    *((name, "None") for name in ("iterations", "population", "static", "environment")),
     *((name, "numpy whole number") for name in ("iterations", "population", "max_lanes")),
 }
 """Valid after all, and 5 to 15 s to compile: left to `make fuzz`."""

@@ -13,7 +13,7 @@ from usvjax.exports import HOME
 
 ROOT = Path(__file__).parents[1]
 
-COMING = {"navigate", "aggregate", "search_mission", "hunt", "sweep"}
+COMING = {"search_mission", "hunt", "sweep"}
 """Names that the public contract reserves."""
 
 FLOORS = (

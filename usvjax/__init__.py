@@ -34,13 +34,20 @@ if TYPE_CHECKING:  # "as" tells type checkers that a name is exported
     from usvjax.missions.dwa.params import fit_window as fit_window
     from usvjax.missions.dwa.run import NavigateResult as NavigateResult
     from usvjax.missions.dwa.run import navigate_dwa as navigate_dwa
+    from usvjax.missions.fleet.aggregation import AggregateResult as AggregateResult
+    from usvjax.missions.fleet.aggregation import aggregate as aggregate
     from usvjax.missions.fleet.environment import Environment as Environment
     from usvjax.missions.fleet.environment import FieldCurrent as FieldCurrent
     from usvjax.missions.fleet.environment import ShearCurrent as ShearCurrent
     from usvjax.missions.fleet.environment import UniformCurrent as UniformCurrent
     from usvjax.missions.fleet.environment import VortexCurrent as VortexCurrent
+    from usvjax.missions.fleet.measures import MeetingKind as MeetingKind
+    from usvjax.missions.fleet.measures import Meetings as Meetings
+    from usvjax.missions.fleet.measures import meetings as meetings
     from usvjax.missions.fleet.params import FleetParams as FleetParams
     from usvjax.missions.fleet.params import FleetStatic as FleetStatic
+    from usvjax.missions.fleet.run import FleetResult as FleetResult
+    from usvjax.missions.fleet.run import navigate as navigate
     from usvjax.paths.metrics import PathMetrics as PathMetrics
     from usvjax.paths.metrics import path_metrics as path_metrics
     from usvjax.paths.smoothing import DensePaths as DensePaths

@@ -40,17 +40,20 @@ def shown(value: object) -> str:
     return text if len(text) <= MOST_SHOWN else f"{text[: MOST_SHOWN - 3]}..."
 
 
-def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndarray:
+def float_array(
+    name: str, value: Any, shape: tuple[int | None, ...], most: float = math.inf
+) -> np.ndarray:
     """The value as a finite float64 array of the given shape.
 
     Args:
         name: of the argument, for the message.
         value: anything that numpy takes.
         shape: wanted sizes; None takes any.
+        most: largest magnitude.
 
     Raises:
         BadTypeError: not real numbers.
-        BadInputError: another shape, NaN or infinite.
+        BadInputError: another shape, NaN, infinite or too large.
     """
     array = any_array(name, value, _shape(shape))
     if array.dtype.kind not in "iuf":
@@ -64,6 +67,8 @@ def float_array(name: str, value: Any, shape: tuple[int | None, ...]) -> np.ndar
     if not np.isfinite(array).all():
         first = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise BadInputError(f"{name}: {array[first]} at index {list(first)}; wanted finite numbers")
+    if most < math.inf and (largest := np.abs(array).max(initial=0.0)) > most:
+        raise BadInputError(f"{name}: got {largest:g}; wanted at most {most:g} in magnitude")
     return array
 
 

@@ -52,6 +52,7 @@ HOME = {
     "usvjax.missions.dwa.candidates": ("DwaCandidates", "dwa_candidates"),
     "usvjax.missions.dwa.params": ("DwaParams", "DwaStatic", "fit_window"),
     "usvjax.missions.dwa.run": ("NavigateResult", "navigate_dwa"),
+    "usvjax.missions.fleet.aggregation": ("AggregateResult", "aggregate"),
     "usvjax.missions.fleet.environment": (
         "Environment",
         "FieldCurrent",
@@ -59,7 +60,9 @@ HOME = {
         "UniformCurrent",
         "VortexCurrent",
     ),
+    "usvjax.missions.fleet.measures": ("MeetingKind", "Meetings", "meetings"),
     "usvjax.missions.fleet.params": ("FleetParams", "FleetStatic"),
+    "usvjax.missions.fleet.run": ("FleetResult", "navigate"),
     "usvjax.study": ("load_run", "run_study"),
     "usvkernels.status": ("Status",),
 }

@@ -1,4 +1,4 @@
-"""Wei & Zhang 2023: Figs. 7 and 8, then the same on a thousand scenes.
+"""Wei & Zhang 2023: Figs. 5 and 7 to 18, then the same on thousands of scenes.
 
 Run it with `usvjax reproduce wei2023` or `python -m experiments.wei2023`; `--help` lists the
 options.
@@ -12,17 +12,19 @@ import tyro
 from experiments.paper import Absent, Options, Paper, Part, run_as_program
 from experiments.wei2023.claims import claims
 from experiments.wei2023.compare import measure
+from experiments.wei2023.encounters import PART as ENCOUNTERS
 from experiments.wei2023.figures import figures
+from experiments.wei2023.headings import PART as HEADINGS
 from experiments.wei2023.report import readings, sections, summary
 from experiments.wei2023.runs import runs
 
 
 @dataclass(frozen=True)
 class Sizes(Options):
-    """Regenerate Figs. 7 and 8 of Wei & Zhang 2023, and smooth paths on many scenes.
+    """Regenerate Figs. 5 and 7 to 18 of Wei & Zhang 2023, and do so on many scenes.
 
     Attributes:
-        scenes: Of each kind; 1,000, or 60 with --quick.
+        scenes: Of each kind, on which paths are smoothed; 1,000, or 60 with --quick.
     """
 
     scenes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
@@ -33,8 +35,8 @@ FLEETS = "comes with fleets and aggregation"
 PAPER = Paper(
     name="wei2023",
     cite="Wei & Zhang 2023",
-    title="key points of the global path",
-    about="The paper's Figs. 7 and 8 on a scene of ours, then on many scenes of several kinds.",
+    title="key points of the global path, the heading at the goal, and encounters",
+    about="The paper's Figs. 5 and 7 to 18 on scenes of ours, and on many more.",
     options=Sizes,
     parts=[
         Part(
@@ -47,13 +49,13 @@ PAPER = Paper(
             figures=figures,
             readings=readings,
             summary=summary,
-        )
+        ),
+        HEADINGS,
+        ENCOUNTERS,
     ],
     absent=[
-        Absent("Figs. 1 to 6", "flow charts and sketches, with nothing to compare"),
+        Absent("Figs. 1 to 4 and 6", "flow charts and sketches, with nothing to compare"),
         Absent("Tables 1 and 2", "parameters; those of the global path are in use here"),
-        Absent("Figs. 9 to 12", f"the heading at the end of a voyage by A* and DWA: {FLEETS}"),
-        Absent("Figs. 13 to 18", f"encounters of two vessels: {FLEETS}"),
         Absent("Figs. 19 to 21", f"three vessels that gather in formation: {FLEETS}"),
         Absent("Table 3", f"words on a method with velocity obstacles, without numbers: {FLEETS}"),
     ],

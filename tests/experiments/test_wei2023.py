@@ -167,7 +167,7 @@ def test_what_was_fitted_and_what_the_paper_has_not_stand_beside(kind):
 
 
 def test_what_is_run_follows_the_options():
-    (part,) = PAPER.parts
+    part = PAPER.parts[0]
     runs = part.runs(SimpleNamespace(scenes=None, quick=False))
     assert {name: run.size for name, run in runs.items()} == {
         "batched": 4 * 2 * 1000,

@@ -8,7 +8,7 @@ import pytest
 
 from usvjax.missions.cruise import scenes as cruise
 from usvjax.missions.dwa import scenes as dwa
-from usvjax.missions.fleet import crowds
+from usvjax.missions.fleet import crowds, situations
 from usvjax.missions.fleet import scenes as fleet
 from usvjax.missions.route import scenes as route
 
@@ -16,7 +16,8 @@ TABLES = [
     *(dwa.LatticeTable, dwa.DiscTable, dwa.ChartTable),
     *(route.CellTable, route.ChartTable, route.ScenTable),
     *(cruise.CellTable, cruise.ChartTable),
-    *(fleet.EncounterTable, fleet.SwapTable, crowds.CrowdTable, crowds.ChartTable),
+    *(fleet.EncounterTable, fleet.SwapTable, situations.ImazuTable),
+    *(crowds.CrowdTable, crowds.ChartTable),
 ]
 
 

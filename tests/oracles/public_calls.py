@@ -50,6 +50,34 @@ def calls(folder: Path | None) -> dict[str, Call]:
     along = {"paths": paths, "lengths": np.array([3, 4]), "blocked": maps[0]}
     short = {name: along[name] for name in ("paths", "lengths")}
     brief = uj.DwaStatic(n_v=41, n_w=11, horizon=5, max_steps=40)
+    fleet = {
+        "scene": np.array([[0.0, 120.0], [90.0, 100.0]]),
+        "starts": np.array([[[-40.0, 0.0, 0.0], [40.0, 0.0, 3.0]]]),
+    }
+    sailing = {
+        "params": uj.FleetParams(
+            v_max=45.0,
+            v_step=0.5,
+            w_step=0.1,
+            hull_radius=3.0,
+            obstacle_radius=5.0,
+            stuck_time=5.0,
+            livelock_time=20.0,
+        ),
+        "static": uj.FleetStatic(
+            n_v=5,
+            n_w=2,
+            horizon=2,
+            max_steps=2,
+            unit_length=50.0,
+            look_ahead=50.0,
+            guide_length=50.0,
+        ),
+        "valid": np.array([[True, True]]),
+        "environment": uj.Environment(uj.UniformCurrent((0.5, 0.2)), (1.0, 2.0)),
+        "encounters": "rules",
+        "record": False,
+    }
     lake = uj.GridMap(maps[0], 2.0, (10.0, 20.0), "pond")
     if folder is None:
         folder = Path()
@@ -237,9 +265,46 @@ def calls(folder: Path | None) -> dict[str, Call]:
             {"params": uj.DwaParams(), "static": brief},
         ),
         "fit_window": Call(uj.fit_window, {"params": uj.DwaParams(), "static": uj.DwaStatic()}),
+        "navigate": Call(
+            uj.navigate,
+            {**fleet, "goals": np.array([[[40.0, 30.0], [-40.0, 30.0]]])},
+            {
+                **sailing,
+                "headings": np.array([[0.0, 3.0]]),
+                "speeds": np.array([[1.0, 2.0]]),
+            },
+        ),
+        "aggregate": Call(
+            uj.aggregate,
+            {**fleet, "centre": np.array([20.0, 40.0]), "heading": 0.5},
+            {
+                **sailing,
+                "formation": "line",
+                "spacing": 30.0,
+                "assignment": "nearest",
+                "hold_time": 5.0,
+            },
+        ),
+        "meetings": Call(
+            uj.meetings,
+            {
+                "trajectory": _courses(),
+                "hull_radius": np.array([[3.0, 4.0]]),
+                "passing": 10.0,
+                "dt": 1.0,
+            },
+        ),
         "preset": Call(uj.preset, {"name": "lake"}, {"mission": "dwa"}),
         "preset_names": Call(uj.preset_names, {}, {"mission": "dwa"}),
     }
+
+
+def _courses() -> np.ndarray:
+    """Two vessels that meet, float[1, 9, 2, 5]."""
+    time = np.arange(9.0)[:, None]
+    x, psi = np.array([-20.0, 20.0]) + time * [5.0, -5.0], np.array([0.0, np.pi])
+    still = np.zeros_like(x)
+    return np.stack([x, still, still + psi, still + 5.0, still], axis=-1)[None]
 
 
 def sphere(x: Any) -> Any:

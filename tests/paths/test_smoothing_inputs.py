@@ -9,10 +9,12 @@ import pytest
 import usvjax as uj
 from usvjax import batches
 from usvjax.paths import tracking as path_tracking
+from usvjax.paths.inputs import Frame
 from usvjax.paths.metrics import path_metrics
 from usvjax.paths.smoothing import bspline, key_points, redensify, shorten
 from usvjax.paths.tracking import track_paths
 from usvjax.paths.turns import smooth_turns
+from usvjax.paths.water import segments_clear
 from usvkernels.paths.tracking import TrackParams
 
 BadInput, BadType = uj.BadInputError, uj.BadTypeError
@@ -276,3 +278,10 @@ def test_numbers(
     function: Callable[..., Any], changes: dict[str, Any], error: type[Exception], said: str
 ) -> None:
     refused(function, error, said, **changes)
+
+
+def test_a_segment_that_leaves_the_map_is_not_followed_beyond_it() -> None:
+    frame = Frame(np.zeros((1, 5, 5), bool), 1.0, np.zeros(2))
+    starts, ends = np.full((3, 2), 1.0), np.array([[4.0, 3.0], [1e13, 1.0], [1.0, -1e13]])
+    found = segments_clear(starts, ends, np.arange(3), frame, False)
+    assert found.tolist() == [True, False, False]

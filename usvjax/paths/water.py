@@ -77,8 +77,10 @@ def segments_clear(
     clear: np.ndarray = np.all(on_map, axis=1)
     layers = frame.layers(rows)
     slack = -_TOUCHING if corner_cutting else _TOUCHING
-    for part in _even_parts(starts, ends):
-        clear[part] &= _columns_clear(starts[part], ends[part], layers[part], frame.blocked, slack)
+    inside = np.flatnonzero(clear)  # the others may cross any number of columns
+    for part in _even_parts(starts[inside], ends[inside]):
+        own = inside[part]
+        clear[own] = _columns_clear(starts[own], ends[own], layers[own], frame.blocked, slack)
     return clear
 
 

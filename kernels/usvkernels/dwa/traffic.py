@@ -22,7 +22,7 @@ from usvkernels.xla.single import single
 TINY = 1e-12
 """Keeps the time to the closest point finite where nothing closes; (m/s)^2."""
 
-ESCAPE = 0.999
+ESCAPE = 0.999999
 """Of the present distance: within `reach` already, a candidate must come no closer than this."""
 
 

@@ -13,18 +13,23 @@ from usvkernels.dwa.candidates import Command
 from usvkernels.dwa.charted import Charted, near
 from usvkernels.dwa.clearance import FAR, Scalar
 from usvkernels.fleet import guidance, steering
-from usvkernels.fleet.approach import dot, least_square
+from usvkernels.fleet.approach import cross, dot, least_square
 from usvkernels.fleet.models import MODELS
 from usvkernels.fleet.params import Passage, Settings
 from usvkernels.fleet.sight import Obstacles, between, minus, nearest_square, others, sums
 from usvkernels.fleet.state import ABSENT, BOOKS, Fleet, Jobs, Outcome
 from usvkernels.lanes import Program
 from usvkernels.status import Status
+from usvkernels.trig import angle_between, sincos
 from usvkernels.vessel import Complex
 
 AT_REST = 0.01
 """m/s, below which a vessel whose passage has ended has stopped: a hull with a mass never quite
 does."""
+
+
+MOST_AROUND = 6
+"""Times that a vessel comes to its goal on another heading, after which it is stuck: a livelock."""
 
 
 def program(jobs: Jobs, settings: Settings) -> Program:
@@ -71,7 +76,7 @@ def _start(jobs: Jobs, settings: Settings, swept: dict[int, Array], job: Array) 
     zero = jnp.zeros_like(status)
     fleet = Fleet(
         reals=jnp.stack([x, y, psi, v, still, still, far, far, x, y, *extra]),
-        counts=jnp.stack([status, zero, zero, zero, zero, zero, zero]),
+        counts=jnp.stack([status, zero, zero, zero, zero, zero, zero, zero, zero]),
         roles=jnp.zeros((n, n, len(job)), jnp.int32),
         present=status != ABSENT,
         obstacles=obstacles,
@@ -112,6 +117,7 @@ def _step(jobs: Jobs, settings: Settings, fleet: Fleet) -> Fleet:
     orders, held, roles, altered = steering.meet(settings, fleet, vessels, obstacles)
     command = steering.command(settings, fleet, vessels, orders, obstacles)
     moved = _moved(settings, fleet, command, vessels.drift)
+    held = held | fleet.returns
     index = guidance.advanced(
         jobs.routes, fleet.job, moved.place, fleet.index, held, settings.passage
     )
@@ -154,15 +160,14 @@ def _judge(
     anchor_step = jnp.where(way, steps, after.anchor_step)
     idle = (steps - anchor_step).astype(x.dtype) * dt >= passage.stuck_time
     nowhere = (steps - after.index_step).astype(x.dtype) * dt >= passage.livelock_time
-    goal = guidance.point(jobs.routes, after.job, jobs.routes.last[after.job].T)
-    left = minus(goal, after.place)
-    there = dot(left, left) <= passage.goal_tolerance * passage.goal_tolerance
-    # Who passes its goal on the way to the guide segment has not arrived.
-    there &= after.index >= jobs.routes.gate[after.job].T
+    nowhere |= after.around >= MOST_AROUND
+    arrives, missed, returns = _approach(jobs, passage, after)
+    index = jnp.where(missed, jobs.routes.gate[after.job].T, after.index)
+    around = after.around + missed.astype(after.around.dtype)
     late = steps >= passage.max_steps
     status = jnp.where(late, int(Status.TIMED_OUT), int(Status.RUNNING))
     status = jnp.where(idle | nowhere, int(Status.STUCK), status)
-    status = jnp.where(there, int(Status.REACHED), status)
+    status = jnp.where(arrives, int(Status.REACHED), status)
     status = jnp.where(under_way, status, before.status)
     hit = (apart < 0.0) | (clear < 0.0)
     status = jnp.where(hit & before.present, int(Status.COLLIDED), status)
@@ -172,8 +177,31 @@ def _judge(
     anchor = (jnp.where(way, x, after.anchor[0]), jnp.where(way, y, after.anchor[1]))
     reals = jnp.stack([*after.reals[:6], clearance, separation, *anchor, *after.reals[BOOKS:]])
     moving_step = jnp.where(after.reals[3] > AT_REST, steps, after.moving_step)
-    counts = jnp.stack([status, ended_step, anchor_step, *after.counts[3:6], moving_step])
+    kept = [index, *after.counts[4:6], moving_step, around, returns.astype(index.dtype)]
+    counts = jnp.stack([status, ended_step, anchor_step, *kept])
     return replace(after, reals=reals, counts=counts)
+
+
+def _approach(jobs: Jobs, passage: Passage, fleet: Fleet) -> tuple[Array, Array, Array]:
+    """Who arrives, who comes to its goal on another heading, and who is on its way around.
+
+    Who passes its goal on the way to the guide segment has not arrived. Who was off the heading, or
+    passed by, goes around: back to where the segment begins, and along it once more.
+    """
+    gate = jobs.routes.gate[fleet.job].T
+    approaches = (fleet.index >= gate) & ~fleet.returns
+    bow = guidance.bow(jobs.routes, fleet.job)
+    sin, cos = sincos(fleet.reals[2])
+    off = angle_between(cross(bow, (cos, sin)), dot(bow, (cos, sin)))
+    free = (bow[0] == 0.0) & (bow[1] == 0.0)
+    fits = free | (off <= passage.heading_tolerance)
+    left = minus(guidance.point(jobs.routes, fleet.job, jobs.routes.last[fleet.job].T), fleet.place)
+    there = dot(left, left) <= passage.goal_tolerance * passage.goal_tolerance
+    past = dot(bow, left) < -passage.goal_tolerance
+    missed = approaches & ((there & ~fits) | past)
+    begins = minus(guidance.point(jobs.routes, fleet.job, gate), fleet.place)
+    back = fleet.returns & (dot(begins, begins) > passage.unit_length * passage.unit_length)
+    return there & approaches & fits, missed, missed | back
 
 
 def _separation(passage: Passage, before: Fleet, went: Complex) -> Array:

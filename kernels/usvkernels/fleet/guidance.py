@@ -22,6 +22,7 @@ class Routes:
     ahead: Array  # int32[rows, n, P], the point to steer for from each
     last: Array  # int32[rows, n], the goal's
     gate: Array  # int32[rows, n], the first from which the goal may be reached
+    bow: Array  # float[rows, n, 2], unit vector of the heading to arrive on; 0 where any will do
 
 
 def point(routes: Routes, job: Array, index: Array) -> Complex:
@@ -66,6 +67,11 @@ def advanced(
         moves = ((there <= here) | close) & ~held
         index, here = jnp.where(moves, further, index), jnp.where(moves, there, here)
     return index
+
+
+def bow(routes: Routes, job: Array) -> Complex:
+    """Unit vectors of the headings to arrive on, [n, lanes] each; 0 where any will do."""
+    return routes.bow[job, :, 0].T, routes.bow[job, :, 1].T
 
 
 def guide(routes: Routes, job: Array, index: Array) -> Complex:

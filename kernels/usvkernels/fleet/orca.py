@@ -8,7 +8,7 @@ vessel then turns towards the velocity and sails at its component ahead.
 Lines lie on the first axis, [m, lanes]; a line's left is allowed.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -61,8 +61,8 @@ def meet(
     joined = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), *near)
     n, lanes = vessels.speed.shape
 
-    def flat(leaf: Array) -> Array:
-        return leaf.reshape(*leaf.shape[:-2], n * lanes)
+    def flat(leaf: Any) -> Any:
+        return leaf.reshape(*leaf.shape[:-2], n * lanes) if jnp.ndim(leaf) else leaf
 
     # In the water about each vessel, where its speed has its limits.
     joined = joined._replace(velocity=less_drift(vessels, joined.velocity))
@@ -73,8 +73,8 @@ def meet(
         sides.velocity,
         (own[0], own[1]),
         sides.reach,
-        how.act_time,
-        dt,
+        flat(how.act_time),
+        flat(dt),
         sides.share,
         sides.valid,
     )

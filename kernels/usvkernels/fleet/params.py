@@ -24,6 +24,7 @@ class Passage:
     hull_radius: Scalar  # m
     obstacle_radius: Scalar  # m, of the circles that are collided with
     goal_tolerance: Scalar  # m
+    heading_tolerance: Scalar  # rad, to either side of the one to arrive on
     stuck_distance: Scalar  # m
     stuck_time: Scalar  # s
     livelock_time: Scalar  # s

@@ -4,10 +4,13 @@ A pair has roles from when it sees that it would pass too close until it is past
 both give way; overtaking, who overtakes does; crossing, who has the other to starboard does (Rules
 13 to 15). Giving way is an alteration of course to starboard that others can see, or of speed,
 after which the other passes at the distance wanted, in crossing and head-on to port (Rules 8, 16).
+It is held until a course parallel to the route serves as well, and that until the route does, to
+the goal: a vessel that came back for its next guidance point alone would have to alter again.
 A stand-on vessel keeps course and speed until contact is so near that the other plainly does not
 act (Rule 17). Roles are of pairs, so a ring of three gives way all round, each to starboard.
 """
 
+from collections.abc import Iterator
 from math import cos, radians, sin
 from typing import NamedTuple
 
@@ -15,6 +18,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from usvkernels.dwa.clearance import Scalar
 from usvkernels.fleet.approach import contact_time, cross, dot, least_square
 from usvkernels.fleet.params import Encounters
 from usvkernels.fleet.sight import (
@@ -22,7 +26,9 @@ from usvkernels.fleet.sight import (
     Orders,
     Vessels,
     between,
+    minus,
     nearest_square,
+    of_looker,
     others,
     over_ground,
     sums,
@@ -40,34 +46,67 @@ ABAFT_COSINE = cos(radians(112.5))
 """A vessel at a larger bearing is more than 22.5 degrees abaft the beam (Rule 13)."""
 
 RELEASE = 1.25
-"""A pair that would pass at this multiple of the distance wanted has no roles any more."""
+"""A pair that would pass at this multiple of the distance wanted has no roles any more; of one that
+has arrived, near whom the other's goal may lie, at that distance itself."""
 
 AHEAD = 2.0
 """A vessel that gives way may cross ahead at this multiple of the distance wanted."""
 
+SPARE = 0.5
+"""Of the distance wanted between hulls, what the dynamic window keeps in any case: the other may
+turn, or gain speed, before the next decision."""
+
 DEGREES = (0, 30, 40, 50, 60, 70, 80, 90)
 """Alterations to starboard; none is so small that it would not be seen (Rule 8 b)."""
 
-SHARES = (1.0, 0.5, 0.0)
+SHARES = (1.0, 0.5)
 """Of the speed."""
 
-CANDIDATES = tuple((degrees, share) for share in SHARES for degrees in DEGREES)
-"""What a vessel chooses from; the first is to go on."""
+OTHERWISE = (135, 180, -135, -90, -60, -30)
+"""Further alterations, of which those below 0 are to port: for who has waited so long that nobody
+else will act, to part from a vessel that waits for it (Rules 2 b and 17 b)."""
 
-VIOLATION, SLOWER, CHANGE = 30.0, 2.0, 0.1
-"""What a distance short by all of it, a loss of all speed and a change of mind cost, in right
-angles of alteration."""
+PATIENCE = 30.0
+"""s that a vessel waits before."""
+
+CANDIDATES = (
+    (0, 1.0),
+    *((degrees, share) for share in SHARES for degrees in DEGREES),
+    (0, 0.0),
+    *((degrees, 1.0) for degrees in OTHERWISE),
+)
+"""What a vessel chooses from: to go on by its route, to sail parallel to it, the alterations of its
+course to the guidance point, to stop, and what it does otherwise; the second comes in place of that
+course itself."""
+
+FIRST_OTHERWISE = len(CANDIDATES) - len(OTHERWISE)
+"""Place of what is done otherwise among them."""
+
+PARALLEL = 1
+"""Place of the second among them."""
+
+VIOLATION, SLOWER, CHANGE, BESIDE = 30.0, 2.0, 0.1, 0.15
+"""What a distance short by all of it, a loss of all speed, a change of mind, and sailing beside the
+route cost, in right angles of alteration."""
+
+
+class Legs(NamedTuple):
+    """How a vessel would sail if it were alone: to its guidance point, and on to its goal."""
+
+    first: Complex  # m/s
+    then: Complex  # m/s
+    turn: Array  # s, until it is at the guidance point
 
 
 class Seen(NamedTuple):
     """Vessels [n, lanes], and pairs [n, n, lanes] as i sees j."""
 
-    velocity: Complex  # m/s
-    intent: Complex  # the velocity that a vessel had if it sailed alone, m/s
+    legs: Legs
     role: Array  # int32, of i
     must: Array  # bool, whether i has to keep clear of j
     other: Array  # bool, whether there is such a pair
     wanted: Array  # m, distance between centres
+    released: Array  # m, that at which the pair has no roles any more
 
 
 def meet(
@@ -77,6 +116,7 @@ def meet(
     reach: Array,
     roles: Array,
     altered: Array,
+    idle: Array,
 ) -> tuple[Orders, Array, Array]:
     """What vessels do that keep the rules.
 
@@ -87,46 +127,109 @@ def meet(
         reach: float[n, lanes], distance from their centres to keep (m).
         roles: int32[n, n, lanes], so far.
         altered: int32[n, lanes], which of `CANDIDATES` the vessel was on.
+        idle: float[n, lanes], for how long it has made no way (s).
 
     Returns:
         Orders, roles and alterations from now on.
     """
     seen = _look(how, vessels, roles)
-    altered = _choose(how, vessels, seen, circles, reach, altered)
-    course, share = _rotated(vessels.course, altered)
+    beside = _beside(vessels)
+    waits = (idle > PATIENCE) | (altered >= FIRST_OTHERWISE)
+    altered = _choose(how, vessels, seen, beside, circles, reach, altered, waits)
+    course, share = _rotated(vessels.course, beside, altered)
     stands_on = (seen.role == STAND_ON) | (seen.role == OVERTAKEN)
     keep = seen.other & (seen.must | ~stands_on)
     still = jnp.zeros_like(vessels.present)
-    return Orders(course, share * vessels.speed, keep, still), seen.role, altered
+    hulls = sums(vessels.hull)
+    apart = hulls + SPARE * (seen.wanted - hulls)
+    return Orders(course, share * vessels.speed, keep, still, apart), seen.role, altered
 
 
 def _look(how: Encounters, vessels: Vessels, roles: Array) -> Seen:
     """Roles, and whom each vessel has to keep clear of."""
     other = others(vessels.present)
     place = between(vessels.place)
-    speed = jnp.where(vessels.under_way, vessels.speed, 0.0)
-    intent = over_ground(vessels, (vessels.course[0] * speed, vessels.course[1] * speed))
+    legs = _legs(vessels)
     wanted = _wanted(how, vessels, place)
-    until = jnp.minimum(how.sight_time, jnp.minimum(vessels.arrival[:, None], vessels.arrival))
-    closing = between(intent)
-    least = least_square(place, closing, until)
-    meets = dot(place, closing) < 0.0
+    # Who has arrived stays there; what others do beyond their goals is not foreseen.
+    arrival = jnp.where(vessels.under_way, vessels.arrival, jnp.inf)
+    until = jnp.minimum(arrival[:, None], arrival)
+    until = jnp.minimum(of_looker(how.sight_time), until)
+    own: Legs = jax.tree.map(lambda leaf: leaf[:, None], legs)
+    theirs: Legs = jax.tree.map(lambda leaf: leaf[None], legs)
+    least = jnp.full_like(wanted, jnp.inf)
+    for off, closing, lasts in _pieces(place, own, theirs, until):
+        nears = (dot(off, closing) < 0.0) & (lasts > 0.0)
+        least = jnp.where(nears, jnp.minimum(least, least_square(off, closing, lasts)), least)
     under_way = vessels.under_way[:, None] | vessels.under_way
-    risk = other & under_way & meets & (least < wanted * wanted)
-    stays = other & meets & (least < (RELEASE * wanted) * (RELEASE * wanted))
+    risk = other & under_way & (least < wanted * wanted)
+    released = jnp.where(vessels.under_way[None], RELEASE * wanted, wanted)
+    stays = other & (least < released * released)
     new = jnp.where(risk, _roles(vessels, place), NONE)
     roles = jnp.where(roles == NONE, new, jnp.where(stays, roles, NONE))
     actual = between(vessels.velocity)
     contact = contact_time(place, actual, sums(vessels.hull))
     gives = (roles == HEAD_ON) | (roles == GIVE_WAY) | (roles == OVERTAKING)
-    must = other & (gives | (contact < how.act_time))
-    return Seen(vessels.velocity, intent, roles, must, other, wanted)
+    near = dot(place, place) < wanted * wanted
+    must = other & (gives | near | (contact < of_looker(how.act_time)))
+    return Seen(legs, roles, must, other, wanted, released)
+
+
+def _legs(vessels: Vessels) -> Legs:
+    speed = jnp.where(vessels.under_way, vessels.speed, 0.0)
+    first = over_ground(vessels, (vessels.course[0] * speed, vessels.course[1] * speed))
+    east, north = _unit(minus(vessels.goal, vessels.guide), (0.0, 0.0))
+    made_good = jnp.where(vessels.under_way, vessels.made_good, 0.0)
+    to_guide = minus(vessels.guide, vessels.place)
+    turn = jnp.sqrt(dot(to_guide, to_guide)) / jnp.maximum(made_good, 1e-3)
+    return Legs(first, (made_good * east, made_good * north), turn)
+
+
+def _unit(vector: Complex, otherwise: tuple[Scalar, Scalar]) -> Complex:
+    length = jnp.sqrt(dot(vector, vector))
+    known = length > 0.0
+    over = jnp.where(known, length, 1.0)
+    east, north = otherwise
+    return jnp.where(known, vector[0] / over, east), jnp.where(known, vector[1] / over, north)
+
+
+def _beside(vessels: Vessels) -> Complex:
+    """The turn to starboard from the course to the guidance point to that on from it, unit.
+
+    None where that lies to port, or leads back, as from a point beyond the goal.
+    """
+    here = _unit(minus(vessels.guide, vessels.place), (1.0, 0.0))
+    onward = _unit(minus(vessels.goal, vessels.guide), here)
+    turn = dot(here, onward), cross(here, onward)
+    serves = (turn[0] > 0.0) & (turn[1] < 0.0)
+    return jnp.where(serves, turn[0], 1.0), jnp.where(serves, turn[1], 0.0)
+
+
+def _pieces(
+    place: Complex, own: Legs, theirs: Legs, until: Array
+) -> Iterator[tuple[Complex, Complex, Array]]:
+    """How two move that sail their legs, piece by piece.
+
+    Yields:
+        Place and velocity of the other relative to one's own (m, m/s), and how long (s).
+    """
+    sooner = own.turn < theirs.turn
+    mine, yours = minus(theirs.first, own.then), minus(theirs.then, own.first)
+    middle = jnp.where(sooner, mine[0], yours[0]), jnp.where(sooner, mine[1], yours[1])
+    moves = minus(theirs.first, own.first), middle, minus(theirs.then, own.then)
+    ends = jnp.minimum(own.turn, theirs.turn), jnp.maximum(own.turn, theirs.turn), until
+    begun = jnp.zeros_like(until)
+    for closing, end in zip(moves, ends, strict=True):
+        lasts = jnp.clip(end, begun, until) - begun
+        yield place, closing, lasts
+        place = place[0] + closing[0] * lasts, place[1] + closing[1] * lasts
+        begun = begun + lasts
 
 
 def _wanted(how: Encounters, vessels: Vessels, place: Complex) -> Array:
     """Distance that i wants from j: at a vessel that has arrived, what i's own goal leaves."""
     hulls = sums(vessels.hull)
-    wanted = hulls + how.passing
+    wanted = hulls + of_looker(how.passing)
     (goal_x, goal_y), (x, y) = vessels.goal, vessels.place
     goal = goal_x[:, None] - x[None], goal_y[:, None] - y[None]
     room = jnp.clip(0.9 * jnp.sqrt(dot(goal, goal)), hulls, wanted)
@@ -158,28 +261,37 @@ def _with_other(course: Complex) -> Array:
 
 
 def _choose(
-    how: Encounters, vessels: Vessels, seen: Seen, circles: Obstacles, reach: Array, altered: Array
+    how: Encounters,
+    vessels: Vessels,
+    seen: Seen,
+    beside: Complex,
+    circles: Obstacles,
+    reach: Array,
+    altered: Array,
+    waits: Array,
 ) -> Array:
     """The cheapest of `CANDIDATES` for each vessel, the first of equals; int32[n, lanes]."""
     until = jnp.minimum(vessels.arrival, how.sight_time)
     # In whole arrays, of which a single piece may take rows.
     drift = () if vessels.drift is None else vessels.drift
-    own = jnp.stack([*vessels.place, *vessels.course, vessels.speed, until, reach, *drift])
-    theirs = jnp.stack([*vessels.place, *seen.velocity, *seen.intent])
+    own = jnp.stack([*vessels.place, *vessels.course, vessels.speed, until, reach, *beside, *drift])
+    legs = seen.legs
+    theirs = jnp.stack([*vessels.place, *vessels.velocity, *legs.first, *legs.then, legs.turn])
     port = (seen.role == HEAD_ON) | (seen.role == GIVE_WAY)
-    pairs = _Pairs(theirs, seen.wanted, seen.must, seen.other, port)
-    return single(_cheapest, _table(own.dtype), own, pairs, circles, how.act_time, altered)
+    pairs = _Pairs(theirs, seen.wanted, seen.released, seen.must, seen.other, port)
+    return single(_cheapest, _table(own.dtype), own, pairs, circles, how.act_time, altered, waits)
 
 
-DRIFT = 7
+DRIFT = 9
 """Row of what a vessel knows of itself, from which its drift stands, where there is any."""
 
 
 class _Pairs(NamedTuple):
     """Whom the candidates may come near; of pairs [n, n, lanes] the first is who chooses."""
 
-    theirs: Array  # float[6, n, lanes], place, velocity and intent of each vessel
+    theirs: Array  # float[9, n, lanes], place, velocity and legs of each vessel
     wanted: Array  # m
+    released: Array  # m
     must: Array  # bool
     other: Array  # bool
     port: Array  # bool, whether j is to be passed to port
@@ -188,7 +300,8 @@ class _Pairs(NamedTuple):
 def _table(dtype: jnp.dtype) -> Array:
     """Of each candidate, the turn's cosine and sine, the share of the speed, and what it costs."""
     angles = [-radians(degrees) for degrees, _ in CANDIDATES]
-    costs = [degrees / 90.0 + SLOWER * (1.0 - share) for degrees, share in CANDIDATES]
+    costs = [abs(degrees) / 90.0 + SLOWER * (1.0 - share) for degrees, share in CANDIDATES]
+    costs[PARALLEL] = BESIDE
     rows = zip(angles, CANDIDATES, costs, strict=True)
     return jnp.array([[cos(a), sin(a), share, cost] for a, (_, share), cost in rows], dtype)
 
@@ -200,44 +313,79 @@ def _cheapest(
     circles: Obstacles,
     act_time: Array | float,
     altered: Array,
+    waits: Array,
 ) -> Array:
     place, course, speed = (own[0], own[1]), (own[2], own[3]), own[4]
+    going_on = VIOLATION * _on_routes(place, own[5], pairs, altered > 0)
+    going_on += jnp.where(altered == 0, 0.0, CHANGE)
 
     def better(k: Array, best: tuple[Array, Array]) -> tuple[Array, Array]:
         turn_cos, turn_sin, share, fixed = (table[k, part] for part in range(4))
-        turned = complex_product(course, (turn_cos, turn_sin))
+        turn = (
+            jnp.where(k == PARALLEL, own[7], turn_cos),
+            jnp.where(k == PARALLEL, own[8], turn_sin),
+        )
+        turned = complex_product(course, turn)
         velocity = turned[0] * (share * speed), turned[1] * (share * speed)
         if len(own) > DRIFT:
             velocity = velocity[0] + own[DRIFT], velocity[1] + own[DRIFT + 1]
-        short = _shortfall(place, velocity, own[5], pairs, k == 0)
+        short = _shortfall(place, velocity, own[5], pairs)
         aground = _aground(place, velocity, circles, own[6], act_time)
-        short = jnp.where(k > 0, jnp.maximum(short, aground), short)
-        cost = VIOLATION * short + jnp.where(altered == k, fixed, fixed + CHANGE)
+        cost = VIOLATION * jnp.maximum(short, aground)
+        cost += jnp.where(altered == k, fixed, fixed + CHANGE)
+        cost = jnp.where((k < FIRST_OTHERWISE) | waits, cost, jnp.inf)
         return jnp.minimum(cost, best[0]), jnp.where(cost < best[0], k, best[1])
 
-    best = jnp.full_like(speed, jnp.inf), jnp.zeros_like(altered)
-    return jax.lax.fori_loop(0, len(CANDIDATES), better, best)[1]
+    best = going_on, jnp.zeros_like(altered)
+    return jax.lax.fori_loop(1, len(CANDIDATES), better, best)[1]
 
 
-def _shortfall(
-    place: Complex, velocity: Complex, until: Array, pairs: _Pairs, alone: Array
-) -> Array:
+def _on_routes(place: Complex, until: Array, pairs: _Pairs, acts: Array) -> Array:
+    """By which share of the distance wanted the route passes too near whom a vessel keeps clear of.
+
+    Who acts already holds on until the pair has no roles any more, or it would act again soon. Of
+    others both what they do and what they would do alone counts; [n, lanes], 0 to 1.
+    """
+    own = _legs_of(pairs.theirs)
+
+    def worst(j: Array, short: Array) -> Array:
+        theirs = pairs.theirs[:, j]
+        off, velocity = (theirs[0] - place[0], theirs[1] - place[1]), (theirs[2], theirs[3])
+        keeps_on = Legs(velocity, velocity, jnp.full_like(theirs[0], jnp.inf))
+        wanted = jnp.where(acts, pairs.released[:, j], pairs.wanted[:, j])
+        for legs in (keeps_on, _legs_of(theirs)):
+            for at, closing, lasts in _pieces(off, own, legs, until):
+                near = _short(at, closing, lasts, wanted, pairs.port[:, j])
+                short = jnp.maximum(short, jnp.where(pairs.must[:, j], near, 0.0))
+        return short
+
+    return jax.lax.fori_loop(0, pairs.wanted.shape[0], worst, jnp.zeros_like(place[0]))
+
+
+def _legs_of(theirs: Array) -> Legs:
+    return Legs((theirs[4], theirs[5]), (theirs[6], theirs[7]), theirs[8])
+
+
+def _shortfall(place: Complex, velocity: Complex, until: Array, pairs: _Pairs) -> Array:
     """By which share of the distance wanted a velocity passes too near; [n, lanes], 0 to 1."""
 
     def worst(j: Array, short: Array) -> Array:
         east, north, *moves = (pairs.theirs[part, j] for part in range(6))
         off = east - place[0], north - place[1]
-        counts = jnp.where(alone, pairs.must[:, j], pairs.other[:, j])
-        wanted, port = pairs.wanted[:, j], pairs.port[:, j]
         for theirs in (moves[:2], moves[2:]):
             closing = theirs[0] - velocity[0], theirs[1] - velocity[1]
-            distance = jnp.sqrt(least_square(off, closing, until))
-            to_starboard = (cross(off, closing) < 0.0) & (dot(off, closing) < 0.0)
-            asked = jnp.where(port & to_starboard, AHEAD * wanted, wanted)
-            short = jnp.maximum(short, jnp.where(counts, 1.0 - distance / asked, 0.0))
+            near = _short(off, closing, until, pairs.wanted[:, j], pairs.port[:, j])
+            short = jnp.maximum(short, jnp.where(pairs.other[:, j], near, 0.0))
         return short
 
     return jax.lax.fori_loop(0, pairs.wanted.shape[0], worst, jnp.zeros_like(place[0]))
+
+
+def _short(place: Complex, closing: Complex, until: Array, wanted: Array, port: Array) -> Array:
+    """By which share of the distance wanted another passes too near."""
+    distance = jnp.sqrt(least_square(place, closing, until))
+    to_starboard = (cross(place, closing) < 0.0) & (dot(place, closing) < 0.0)
+    return 1.0 - distance / jnp.where(port & to_starboard, AHEAD * wanted, wanted)
 
 
 def _aground(
@@ -248,7 +396,9 @@ def _aground(
     return jnp.maximum(1.0 - jnp.sqrt(least) / reach, 0.0)
 
 
-def _rotated(course: Complex, altered: Array) -> tuple[Complex, Array]:
+def _rotated(course: Complex, beside: Complex, altered: Array) -> tuple[Complex, Array]:
     """The course after an alteration, and the share of the speed."""
     chosen = _table(course[0].dtype)[altered]
-    return complex_product(course, (chosen[..., 0], chosen[..., 1])), chosen[..., 2]
+    parallel = altered == PARALLEL
+    turn_cos, turn_sin = (jnp.where(parallel, beside[k], chosen[..., k]) for k in (0, 1))
+    return complex_product(course, (turn_cos, turn_sin)), chosen[..., 2]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array, lax
 
+from usvkernels.dwa.clearance import Scalar
 from usvkernels.fleet.approach import least_square
 from usvkernels.vessel import Complex
 
@@ -28,6 +29,7 @@ class Vessels(NamedTuple):
     drift: Complex | None  # of current and wind, m/s; None where there is neither
     course: Complex  # unit vector to be steered towards the guidance point
     guide: Complex  # the guidance point, m
+    led: Array  # bool, on its guide segment
     goal: Complex  # m
     speed: Array  # m/s through the water, that it would sail to its guidance point
     made_good: Array  # m/s over ground towards it
@@ -44,6 +46,7 @@ class Orders(NamedTuple):
     cap: Array  # m/s, speed not to exceed
     sees: Array  # bool[n, n, lanes], whether the dynamic window keeps clear of j
     still: Array  # bool[n, lanes], seen by the others as if at rest
+    apart: Array  # float[n, n, lanes], distance between centres that the window keeps (m)
 
 
 def nearest_square(
@@ -97,6 +100,11 @@ def others(present: Array) -> Array:
     """Whether i and j are two vessels, bool[n, n, lanes]."""
     distinct = ~jnp.eye(present.shape[0], dtype=bool)
     return distinct[:, :, None] & present[:, None] & present[None]
+
+
+def of_looker(setting: Scalar) -> Scalar:
+    """What the vessel that looks has set, [n, 1, lanes] of [n, lanes]; a scalar as it is."""
+    return jnp.asarray(setting)[:, None] if jnp.ndim(setting) else setting
 
 
 def sums(radius: Array) -> Array:

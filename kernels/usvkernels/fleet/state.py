@@ -42,7 +42,7 @@ class Fleet:
     """Episodes under way; lanes are the last axis."""
 
     reals: Array  # float[BOOKS or more, n, lanes]: x, y, psi, v, w, then as the properties say
-    counts: Array  # int32[7, n, lanes], likewise
+    counts: Array  # int32[9, n, lanes], likewise
     roles: Array  # int32[n, n, lanes], of `rules`
     present: Array  # bool[n, lanes]
     obstacles: Obstacles | None  # at the start; None on a chart
@@ -121,6 +121,16 @@ class Fleet:
     def moving_step(self) -> Array:
         """The last step in which the vessel moved."""
         return self.counts[6]
+
+    @property
+    def around(self) -> Array:
+        """How often it came to its goal on another heading, and went around."""
+        return self.counts[7]
+
+    @property
+    def returns(self) -> Array:
+        """Whether it is on the way back to where its guide segment begins."""
+        return self.counts[8] > 0
 
 
 @partial(jax.tree_util.register_dataclass)

@@ -31,21 +31,31 @@ control it cannot follow the curve of all of it."""
 TURNING = 0.1
 """Of that speed, what a vessel keeps to turn with."""
 
-OFF = 0.5
-"""Of the goal's tolerance: farther off the line that leads on beyond its goal, a vessel steers for
-the goal itself."""
+CLOSING = 0.35
+"""Of the way left to its goal, how far ahead on its guide segment a vessel steers for: what it is
+off the line shrinks with the way left to the power of 1 / 0.35, and its angle with it."""
 
 
-def _guided(routes: Routes, settings: Settings, fleet: Fleet, goal: Complex) -> Complex:
-    """Guidance points; the goal itself where the line on beyond it would lead past it."""
-    guide = guidance.guide(routes, fleet.job, fleet.index)
-    leads_on = guidance.leads_on(routes, fleet.job, fleet.index)
-    line, off = minus(guide, goal), minus(fleet.place, goal)
-    length = jnp.sqrt(dot(line, line))
-    aside = jnp.abs(cross(line, off)) > OFF * settings.passage.goal_tolerance * length
-    past = dot(line, off) > 0.0
-    misses = leads_on & (aside | past)
-    return jnp.where(misses, goal[0], guide[0]), jnp.where(misses, goal[1], guide[1])
+def _guided(
+    routes: Routes, settings: Settings, fleet: Fleet, goal: Complex
+) -> tuple[Complex, Array]:
+    """Guidance points, and who is on its guide segment, bool[n, lanes].
+
+    There it steers for a point ahead on the segment's line, elsewhere for that of its route; on its
+    way around, for where the segment begins.
+    """
+    point = guidance.guide(routes, fleet.job, fleet.index)
+    gate = routes.gate[fleet.job].T
+    bow = guidance.bow(routes, fleet.job)
+    led = ((bow[0] != 0.0) | (bow[1] != 0.0)) & (fleet.index >= gate) & ~fleet.returns
+    left = dot(bow, minus(goal, fleet.place))
+    beyond = jnp.maximum(CLOSING * left, settings.passage.unit_length) - left
+    begins = guidance.point(routes, fleet.job, gate)
+    guide = [
+        jnp.where(fleet.returns, begins[k], jnp.where(led, goal[k] + beyond * bow[k], point[k]))
+        for k in range(2)
+    ]
+    return (guide[0], guide[1]), led
 
 
 def sight(routes: Routes, settings: Settings, fleet: Fleet) -> Vessels:
@@ -54,7 +64,7 @@ def sight(routes: Routes, settings: Settings, fleet: Fleet) -> Vessels:
     x, y, psi, v = fleet.reals[:4]
     sin, cos = sincos(psi)
     goal = guidance.point(routes, fleet.job, routes.last[fleet.job].T)
-    guide = _guided(routes, settings, fleet, goal)
+    guide, led = _guided(routes, settings, fleet, goal)
     east, north = guide[0] - x, guide[1] - y
     distance = jnp.sqrt(east * east + north * north)
     known = distance > 0.0
@@ -65,6 +75,8 @@ def sight(routes: Routes, settings: Settings, fleet: Fleet) -> Vessels:
     # With the goal abeam it slows down to turn, or it would circle about it.
     abeam = jnp.clip(dot((cos, sin), to_goal) / jnp.maximum(left, 1e-3), TURNING, 1.0)
     wanted = abeam * jnp.sqrt(2.0 * COMFORT * vessel.v_dec * left)
+    # The goal is not what it sails to on its way around.
+    wanted, left = (jnp.where(fleet.returns, jnp.inf, of) for of in (wanted, left))
     speed = jnp.broadcast_to(jnp.minimum(vessel.v_max, wanted), x.shape)
     velocity, drifts, made_good, fastest = (v * cos, v * sin), None, speed, vessel.v_max
     if MODELS[settings.passage.model].extra:
@@ -85,6 +97,7 @@ def sight(routes: Routes, settings: Settings, fleet: Fleet) -> Vessels:
         drift=drifts,
         course=course,
         guide=guide,
+        led=led,
         goal=goal,
         speed=speed,
         made_good=made_good,
@@ -102,8 +115,9 @@ def meet(
     how, held = settings.encounters, jnp.zeros_like(fleet.present)
     if how.strategy == "rules":
         reach = vessels.hull + settings.passage.obstacle_radius
+        idle = (fleet.steps - fleet.anchor_step).astype(reach.dtype) * settings.vessel.dt
         orders, roles, altered = rules.meet(
-            how, vessels, obstacles, reach, fleet.roles, fleet.altered
+            how, vessels, obstacles, reach, fleet.roles, fleet.altered, idle
         )
         return orders, held, roles, altered
     if how.strategy == "wei2023":
@@ -111,7 +125,7 @@ def meet(
         orders, held = wei2023.meet(how, vessels, v_dec)
         return orders, held, fleet.roles, fleet.altered
     nobody = jnp.zeros_like(fleet.roles, dtype=bool)
-    orders = Orders(vessels.course, vessels.speed, nobody, held)
+    orders = Orders(vessels.course, vessels.speed, nobody, held, sums(vessels.hull))
     return orders, held, fleet.roles, fleet.altered
 
 
@@ -161,6 +175,9 @@ def _by_window(
     to_guide = minus(vessels.guide, vessels.place)
     ahead = jnp.sqrt(dot(to_guide, to_guide))
     goal = x + orders.course[0] * ahead, y + orders.course[1] * ahead
+    # What a guide segment keeps from obstacles is enough: who shied from them would arrive askew.
+    clearance = jnp.where(vessels.led, 0.0, objective.clearance_weight)
+    objective = replace(objective, clearance_weight=clearance)
     motion = Motion(fleet.reals[:5].reshape(5, n * lanes))
     course = ahead / jnp.maximum(vessels.made_good, 1e-3)
     command = decide(
@@ -205,7 +222,7 @@ def _traffic(
         moves = jnp.broadcast_to(moves[:, :, None], others.shape)
         place = jnp.concatenate([circles, others], axis=1)
         velocity = jnp.concatenate([theirs, moves], axis=1)
-        reach = jnp.concatenate([reach, sums(hull)])
+        reach = jnp.concatenate([reach, orders.apart.swapaxes(0, 1)])
     velocity = jnp.stack(less_drift(vessels, (velocity[0], velocity[1])))
     flat = partial(_side_by_side, n=n, lanes=lanes)
     weighs = place.shape[1] if settings.encounters.strategy == "wei2023" else circles.shape[1]

@@ -11,7 +11,7 @@ from jax import Array
 
 from usvkernels.fleet.approach import cross, dot
 from usvkernels.fleet.params import Encounters
-from usvkernels.fleet.sight import Orders, Vessels, between, minus, others
+from usvkernels.fleet.sight import Orders, Vessels, between, minus, of_looker, others, sums
 from usvkernels.trig import angle_between
 
 EQUAL = {"first": "the first of the fleet goes", "both_yield": "both slow down"}
@@ -32,7 +32,8 @@ def meet(how: Encounters, vessels: Vessels, v_dec: Array) -> tuple[Orders, Array
     other = others(vessels.present)
     under_way = vessels.under_way[:, None] & vessels.under_way
     apart = between(vessels.guide)
-    meets = other & under_way & (dot(apart, apart) <= how.threshold * how.threshold)
+    threshold = of_looker(how.threshold)
+    meets = other & under_way & (dot(apart, apart) <= threshold * threshold)
     angle = _outboard(vessels)
     goes = _goes_first(how.equal, angle)
     yields = jnp.any(meets & ~goes, axis=1)
@@ -46,7 +47,9 @@ def meet(how: Encounters, vessels: Vessels, v_dec: Array) -> tuple[Orders, Array
     # Who has arrived is an obstacle like any other.
     rests = other & vessels.under_way[:, None] & ~vessels.under_way
     sees = (meets & goes) | rests
-    return Orders(vessels.course, cap, sees, jnp.ones_like(vessels.present)), yields
+    return Orders(
+        vessels.course, cap, sees, jnp.ones_like(vessels.present), sums(vessels.hull)
+    ), yields
 
 
 def _outboard(vessels: Vessels) -> Array:

@@ -1,17 +1,21 @@
 """Formations, who takes which slot, and fleets that gather; what an observer notes of meetings."""
 
-from itertools import permutations
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise, permutations
 
 import jax
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from property_draws import FUZZ
 
 import usvjax as uj
-from usvjax.missions.fleet.aggregation import aggregate
-from usvjax.missions.fleet.formations import FORMATIONS, assigned, placed, slots_of
-from usvjax.missions.fleet.measures import CROSSING, HEAD_ON, OVERTAKING, meetings
-from usvjax.missions.fleet.run import navigate
+from usvjax.missions.fleet.formations import ASSIGNMENTS, FORMATIONS, assigned, placed, slots_of
+from usvjax.missions.fleet.measures import CROSSING, HEAD_ON, OVERTAKING
+from usvjax.missions.fleet.rounding import ways_round
+from usvkernels.fleet.episodes import MOST_AROUND
 from usvkernels.status import Status
 
 
@@ -25,7 +29,7 @@ def one_device():
 @pytest.mark.parametrize("formation", FORMATIONS)
 @pytest.mark.parametrize("n", [1, 2, 3, 7])
 def test_slots_are_apart_and_about_their_centre(formation, n):
-    slots = slots_of(formation, n, 50.0)
+    slots = slots_of(formation, n, np.array([50.0]))[0]
     assert slots.shape == (n, 2)
     assert np.abs(slots.mean(axis=0)).max() < 1e-9
     apart = [np.hypot(*(slots[i] - slots[j])) for i in range(n) for j in range(i)]
@@ -34,7 +38,7 @@ def test_slots_are_apart_and_about_their_centre(formation, n):
 
 def test_slots_turn_with_the_heading():
     there = placed(
-        np.array([[10.0, 0.0], [0.0, 5.0]]), np.array([[1.0, 2.0]]), np.array([np.pi / 2])
+        np.array([[[10.0, 0.0], [0.0, 5.0]]]), np.array([[1.0, 2.0]]), np.array([np.pi / 2])
     )
     assert there[0] == pytest.approx(np.array([[1.0, 12.0], [-4.0, 2.0]]))
 
@@ -44,15 +48,24 @@ def test_the_least_sum_of_distances_is_that_of_all_permutations():
     start, slots = rng.normal(size=(30, 5, 2)), rng.normal(size=(30, 5, 2))
     apart = np.linalg.norm(start[:, :, None] - slots[:, None], axis=-1)
     best = np.min([apart[:, np.arange(5), p].sum(axis=1) for p in permutations(range(5))], axis=0)
+    taken = {how: assigned(how, start, slots, np.ones((30, 5), bool)) for how in ASSIGNMENTS}
     total = {
-        how: np.take_along_axis(apart, assigned(how, start, slots)[..., None], axis=2).sum((1, 2))
-        for how in ("hungarian", "nearest", "given")
+        how: np.take_along_axis(apart, slot[..., None], axis=2).sum((1, 2))
+        for how, slot in taken.items()
     }
     assert total["hungarian"] == pytest.approx(best)
     assert (total["nearest"] >= best - 1e-12).all()
     assert total["nearest"].mean() < total["given"].mean()
     for how in ("nearest", "hungarian"):
-        assert (np.sort(assigned(how, start, slots), axis=1) == np.arange(5)).all()
+        assert (np.sort(taken[how], axis=1) == np.arange(5)).all()
+
+
+def test_who_is_absent_takes_what_is_left():
+    start = np.array([[[0.0, 0.0], [5.0, 0.0], [9.0, 0.0]]])
+    slots = np.array([[[0.0, 0.0], [10.0, 0.0], [50.0, 0.0]]])
+    present = np.array([[False, True, True]])
+    for how in ("hungarian", "nearest"):
+        assert list(assigned(how, start, slots, present)[0]) == [2, 0, 1]
 
 
 PARAMS = uj.FleetParams(hull_radius=20.0, goal_tolerance=10.0)
@@ -61,7 +74,7 @@ PARAMS = uj.FleetParams(hull_radius=20.0, goal_tolerance=10.0)
 def test_three_vessels_gather_on_a_heading():
     starts = np.array([[[-5000, -3000, 0.0], [-6000, 0, 1.0], [-5000, 3000, 2.0]]] * 3)
     headings = np.radians([0.0, 60.0, 90.0])
-    found = aggregate(None, starts, np.zeros(2), headings, params=PARAMS, record=True)
+    found = uj.aggregate(None, starts, np.zeros(2), headings, params=PARAMS, record=True)
     assert found.formed.all()
     assert np.degrees(found.heading_error).max() < 5.0
     assert found.formation_error.max() < PARAMS.goal_tolerance
@@ -75,17 +88,29 @@ def test_three_vessels_gather_on_a_heading():
     ("given", "says"),
     [
         ({"formation": "wegde"}, "wedge"),
-        ({"formation": np.zeros((2, 2))}, "2 slots; wanted 3"),
+        ({"formation": np.zeros((2, 2))}, "2 slots; wanted at least 3"),
         ({"spacing": 30.0}, "slots 0 and 1 are 30 m apart; wanted at least 40"),
         ({"assignment": "best"}, "assignment"),
-        ({"heading": np.nan}, "heading"),
+        ({"heading": np.nan}, "^heading: nan"),
+        ({"centre": (np.nan, 0.0)}, "^centre: nan"),
+        ({"centre": (3e5, 0.0)}, "^slots: vessel 0 of fleet 0 lies at"),
+        ({"scene": [[0.0, 0.0]]}, "^slots: vessel 0 of fleet 0 at .* touches an obstacle"),
+        ({"spacing": np.nan}, "^spacing: got nan"),
+        ({"formation": [[0.0, 0.0], [np.nan, 0.0], [99.0, 0.0]]}, "^formation: nan"),
+        ({"hold_time": np.nan}, "^hold_time: got nan"),
+        ({"encounters": "orka"}, "did you mean 'orca'"),
+        ({"valid": [[False, False, False]]}, "^valid: fleet 0 has no vessel"),
+        (
+            {"environment": uj.Environment(uj.UniformCurrent((0.0, 11.0)))},
+            "^environment: vessel 0 of fleet 0 drifts at 11 m/s",
+        ),
     ],
 )
 def test_what_is_refused(given, says):
     starts = np.array([[[-5000, -3000, 0.0], [-6000, 0, 1.0], [-5000, 3000, 2.0]]])
-    wanted = {"centre": np.zeros(2), "heading": 0.0, "params": PARAMS} | given
-    with pytest.raises((uj.BadInputError, uj.BadTypeError), match=says):
-        aggregate(None, starts, **wanted)
+    usual = {"scene": None, "centre": np.zeros(2), "heading": 0.0, "params": PARAMS}
+    with pytest.raises(uj.BadInputError, match=says):
+        uj.aggregate(starts=starts, **(usual | given))
 
 
 def test_a_hundred_vessels_do_not_fit_on_a_spot():
@@ -94,7 +119,7 @@ def test_a_hundred_vessels_do_not_fit_on_a_spot():
         100, 2
     )
     with pytest.raises(uj.BadInputError, match=r"vessels 0 and 1 of fleet 0 are 0\.2 m apart"):
-        navigate(None, starts, starts[..., :2] + 5000.0)
+        uj.navigate(None, starts, starts[..., :2] + 5000.0)
 
 
 def straight(course: float, speed: float, through: tuple[float, float], at: int) -> np.ndarray:
@@ -112,7 +137,7 @@ def test_meetings_are_told_apart_and_judged():
         [straight(north, 8, (0, 0), 300), straight(north, 5, (5, 0), 300)],
         [straight(north, 5, (0, 0), 300), straight(south, 5, (900, 0), 300)],
     ]
-    seen = meetings(np.array(tracks).swapaxes(1, 2), np.full((1, 2), 15.0), 90.0, 1.0)
+    seen = uj.meetings(np.array(tracks).swapaxes(1, 2), np.full((1, 2), 15.0), 90.0, 1.0)
     assert list(seen.kind[:, 0, 1]) == [HEAD_ON, CROSSING, OVERTAKING, 0]
     assert seen.gives_way[:3, 0, 1].all()
     assert list(seen.gives_way[:3, 1, 0]) == [True, False, False]
@@ -124,17 +149,98 @@ def test_meetings_are_told_apart_and_judged():
     assert seen.kept[3].all()
 
 
+@pytest.mark.parametrize(
+    ("shape", "hull", "says"),
+    [
+        ((0, 9, 2, 5), (1, 2), r"^trajectory: got shape \(0, 9, 2, 5\); wanted at least one step"),
+        ((1, 0, 2, 5), (1, 2), r"^trajectory: got shape \(1, 0, 2, 5\)"),
+        ((1, 9, 0, 5), (1, 0), r"^trajectory: got shape \(1, 9, 0, 5\)"),
+        ((1, 9, 257, 5), (1, 257), "^trajectory: .* of 1 to 256 vessels"),
+        ((3, 9, 2, 5), (2, 2), r"^hull_radius: got shape \(2, 2\); wanted shape \(3, 2\)"),
+        ((3, 9, 2, 5), (0, 2), r"^hull_radius: got shape \(0, 2\)"),
+        ((3, 9, 2, 5), (2,), r"^hull_radius: got shape \(2,\)"),
+    ],
+)
+def test_records_and_hulls_of_other_shapes_are_refused(shape, hull, says):
+    with pytest.raises(uj.BadInputError, match=says):
+        uj.meetings(np.zeros(shape), np.ones(hull), 90.0, 1.0)
+
+
+def test_hulls_below_nothing_are_refused():
+    with pytest.raises(uj.BadInputError, match=r"^hull_radius: got -1 m; wanted 0 m or more"):
+        uj.meetings(np.zeros((1, 9, 2, 5)), [[1.0, -1.0]], 90.0, 1.0)
+
+
 @pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: programs of its own")
 def test_who_turns_to_starboard_in_time_keeps_the_rules():
     start = np.array([[[0.0, -1500.0, np.pi / 2], [1500.0, 0.0, np.pi]]])
     goal = np.array([[[0.0, 2500.0], [-2500.0, 0.0]]])
     speeds = np.full((1, 2), 5.0)
     params = uj.FleetParams(hull_radius=15.0, v_max=5.0)
-    found = navigate(None, start, goal, speeds=speeds, params=params, record=True)
-    seen = meetings(found.trajectory, np.full((1, 2), 15.0), 92.6, 1.0)
+    found = uj.navigate(None, start, goal, speeds=speeds, params=params, record=True)
+    seen = uj.meetings(found.trajectory, np.full((1, 2), 15.0), 92.6, 1.0)
     assert seen.kind[0, 0, 1] == CROSSING
     assert seen.gives_way[0, 0, 1]
     assert seen.kept[0].all()
     assert np.degrees(seen.to_starboard[0, 0, 1]) >= 25.0
     assert np.degrees(seen.to_starboard[0, 1, 0]) < 5.0
     assert found.status[0] == Status.REACHED
+
+
+@given(
+    ahead=st.floats(-4000, 4000),
+    abeam=st.floats(-4000, 4000),
+    slot=st.integers(0, 2),
+    heading=st.floats(-np.pi, np.pi),
+)
+def test_ways_round_a_formation_cross_no_slot_and_no_lane_of_others(ahead, abeam, slot, heading):
+    """In the frame of the formation: no leg but the last comes within the room of any slot."""
+    room, guide = 300.0, 1000.0
+    slots = slots_of("wedge", 3, np.array([500.0]))
+    centre, course = np.zeros((1, 2)), np.array([heading])
+    frame = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+    start = placed(np.array([[[ahead, abeam]]]), centre, course)
+    ways = ways_round(start, slots, np.array([[slot]]), centre, course, np.array([room]), guide)
+    front, rear = slots[0, :, 0].max() + room, slots[0, :, 0].min() - guide
+    wide = np.abs(slots[0, :, 1]).max() + room
+    for way in ways[:, 0, 0] @ frame:
+        assert way[-1] == pytest.approx([rear, slots[0, slot, 1]], abs=1e-6)
+    nearer = (ways[0, 0, 0] @ frame)[:2, 1]
+    assert (nearer * np.sign(np.round(abeam, 6)) >= -1e-6).all()
+    if rear < ahead < front and abs(abeam) < wide:
+        return  # it begins among the slots or lanes
+    for one, two in pairwise(np.concatenate([start[0], ways[0, 0, 0]]) @ frame):
+        leg = one + np.linspace(0, 1, 60)[:, None] * (two - one)
+        assert np.linalg.norm(leg[:, None] - slots[0], axis=-1).min() > room - 1e-6
+
+
+def test_who_comes_on_another_heading_goes_around_and_not_for_ever():
+    """Yaw rates are whole degrees: 0.0050 rad is the least that it can be off this heading."""
+    starts, goals = np.array([[[0.0, 0.0, 1.0]]]), np.array([[[1500.0, 700.0]]])
+    call = partial(uj.navigate, None, starts, goals, headings=[[1.005]])
+    static = uj.FleetStatic(guide_length=500.0)
+    params = replace(PARAMS, goal_tolerance=30.0)
+    free = call(params=replace(params, heading_tolerance=np.pi), static=static)
+    exact = call(params=replace(params, heading_tolerance=0.0045), static=static)
+    assert free.status[0] == Status.REACHED
+    assert 0.0045 < free.heading_error[0, 0] < np.radians(5.0)
+    assert exact.status[0] == Status.STUCK
+    assert exact.livelock[0, 0]
+    rounds = (exact.path_length[0, 0] - free.path_length[0, 0]) / 1000.0
+    assert MOST_AROUND - 2 < rounds < MOST_AROUND + 1
+
+
+def test_three_of_wei_s_size_gather_among_obstacles():
+    """Sailing straight for their guide segments most of them touched, or arrived askew."""
+    rng = np.random.default_rng(5)
+    angle = np.array([0.3, 2.2, 4.4]) + rng.uniform(-0.5, 0.5, (12, 3))
+    starts = np.stack([np.cos(angle), np.sin(angle), angle], axis=-1) * [5500.0, 5500.0, 1.0]
+    turned = angle + np.pi / 3
+    circles = np.stack([np.cos(turned), np.sin(turned)], axis=-1) * 3200.0
+    headings = np.repeat(np.radians([0.0, 60.0, 90.0]), 4)
+    found = uj.aggregate(circles, starts, np.zeros(2), headings)
+    clear = ~np.any(found.vessel_status == Status.NO_APPROACH, axis=1)
+    assert clear.sum() > 6
+    assert found.formed[clear].all()
+    assert found.min_separation.min() > 0.0
+    assert np.degrees(found.heading_error[clear]).max() < 5.0

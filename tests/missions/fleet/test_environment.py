@@ -1,12 +1,15 @@
 """Fleets in currents and wind, among moving circles, and as Otters; and what is refused."""
 
 import fleet_replay
+import jax
 import numpy as np
 import pytest
+from garbage import problems_of, said
+from public_calls import Call
 
 import usvjax as uj
 from usvjax.missions.fleet import environment as fleet_environment
-from usvjax.missions.fleet.run import navigate
+from usvjax.missions.fleet.places import place
 from usvkernels.status import Status
 
 PARAMS = uj.FleetParams(hull_radius=20.0, obstacle_radius=150.0, v_step=0.25, leeway=0.04)
@@ -45,7 +48,7 @@ def scene():
 @pytest.fixture(scope="module")
 def sailed(scene):
     starts, goals, circles, velocities, currents, winds = scene
-    return navigate(
+    return uj.navigate(
         circles,
         starts,
         goals,
@@ -130,7 +133,7 @@ def test_an_otter_makes_way_with_its_current():
         model="otter", n_v=7, n_w=6, unit_length=4.0, look_ahead=20.0, guide_length=40.0
     )
     currents = rng.uniform(-0.6, 0.6, (16, 2))
-    found = navigate(
+    found = uj.navigate(
         None,
         starts,
         goals,
@@ -199,9 +202,37 @@ def test_an_origin_moves_places_and_nothing_else():
 )
 def test_what_is_refused(given, says):
     with pytest.raises((uj.BadInputError, uj.BadTypeError), match=says):
-        navigate(None, [[[0, 0, 0]]], [[[4000, 0]]], **({"params": PARAMS} | given))
+        uj.navigate(None, [[[0, 0, 0]]], [[[4000, 0]]], **({"params": PARAMS} | given))
 
 
 def test_a_start_in_a_moving_circle_is_refused():
     with pytest.raises(uj.BadInputError, match="starts: vessel 0"):
-        navigate([[50.0, 0]], [[[0, 0, 0]]], [[[4000, 0]]], velocities=[[1.0, 0]], params=PARAMS)
+        uj.navigate([[50.0, 0]], [[[0, 0, 0]]], [[[4000, 0]]], velocities=[[1.0, 0]], params=PARAMS)
+
+
+CURRENTS = {
+    "uniform": uj.UniformCurrent(np.ones((3, 2))),
+    "shear": uj.ShearCurrent(np.zeros(3), np.ones(3), 0.01, np.zeros((3, 2))),
+    "vortex": uj.VortexCurrent((50.0, 7.0), 1.0, 30.0),
+    "field": uj.FieldCurrent(np.ones((3, 4, 2)), 10.0, (50.0, 7.0)),
+}
+
+
+@pytest.mark.parametrize("current", CURRENTS.values(), ids=CURRENTS)
+def test_garbage_in_currents_is_refused_in_one_line(current):
+    def packed(**given):
+        found = fleet_environment.pack(uj.Environment(type(current)(**given)), 3, 0.0)
+        # A warning of overflow is an error here.
+        return [np.square(np.asarray(leaf, np.float32)) for leaf in jax.tree.leaves(found)]
+
+    problems = problems_of(Call(packed, vars(current)))
+    assert not problems, said(problems)
+
+
+def test_garbage_for_velocities_is_refused_in_one_line():
+    def placed(velocities):
+        return place(np.ones((2, 2)), velocities, 3, np.ones((3, 1)), PARAMS, STATIC)
+
+    for valid in (np.ones((2, 2)), np.ones((1, 2, 2)), np.ones((3, 2, 2))):
+        problems = problems_of(Call(placed, {"velocities": valid}))
+        assert not problems, said(problems)

@@ -22,7 +22,6 @@ from usvjax.missions.fleet.figures import (
     telling_job,
 )
 from usvjax.missions.fleet.mission import MISSION
-from usvjax.missions.fleet.run import navigate
 from usvjax.missions.fleet.scenes import ENCOUNTERS, EncounterTable
 from usvjax.study import parse_spec
 from usvkernels.status import Status
@@ -174,7 +173,7 @@ def sailed(crowd):
 
 def test_columns_are_what_navigate_returns(crowd, sailed):
     scenes, params = crowd.scenes, uj.FleetParams(**PARAMS)
-    found = navigate(scenes.water, scenes.starts, scenes.goals, encounters="none", params=params)
+    found = uj.navigate(scenes.water, scenes.starts, scenes.goals, encounters="none", params=params)
     columns = sailed.columns
     assert np.array_equal(columns["status"], found.status)
     for name in ("time", "steps", "min_separation"):

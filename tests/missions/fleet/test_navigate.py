@@ -1,5 +1,8 @@
 """Fleets: records are judged again, orders and batches change nothing, endings are right."""
 
+import time
+from dataclasses import fields
+
 import fleet_encounters
 import fleet_replay
 import jax
@@ -8,7 +11,7 @@ import pytest
 from property_draws import FUZZ
 
 import usvjax as uj
-from usvjax.missions.fleet.run import navigate
+from usvjax.missions.fleet.ground import Circles
 from usvkernels.status import Status
 
 
@@ -38,7 +41,7 @@ PARAMS = uj.FleetParams(hull_radius=20.0, obstacle_radius=150.0)
 
 def sail(starts, goals, circles, strategy: str, valid=None):
     """Of one shape, and recorded: one program for each strategy."""
-    return navigate(
+    return uj.navigate(
         circles, starts, goals, encounters=strategy, valid=valid, params=PARAMS, record=True
     )
 
@@ -93,7 +96,7 @@ def test_a_fleet_does_not_depend_on_its_company(recorded):
 def test_lanes_and_records_change_nothing():
     starts, goals, circles = layouts(16, 4, 1)
     recorded = sail(starts, goals, circles, "rules")
-    again = navigate(circles, starts, goals, params=PARAMS)
+    again = uj.navigate(circles, starts, goals, params=PARAMS)
     for name in ("status", "vessel_status", "path_length", "min_separation", "arrival_time"):
         assert np.array_equal(getattr(again, name), getattr(recorded, name)), name
 
@@ -138,7 +141,7 @@ def test_swaps_across_a_circle_end_without_contact():
         starts[row] = np.stack([3000 * np.cos(angle), 3000 * np.sin(angle), angle + np.pi], axis=1)
         starts[row, n:, :2] *= 3.0
         valid[row, :n] = True
-    found = navigate(
+    found = uj.navigate(
         None, starts, -starts[..., :2], valid=valid, params=uj.FleetParams(hull_radius=20.0)
     )
     assert (found.status == Status.REACHED).all()
@@ -150,7 +153,7 @@ def test_random_encounters_by_the_rules_have_no_contact_and_some_without():
     params = uj.FleetParams(hull_radius=met.hull, v_max=met.speed)
     speeds = met.speed * (1 - 1e-7)
     run = {
-        how: navigate(None, met.start, met.goal, speeds=speeds, encounters=how, params=params)
+        how: uj.navigate(None, met.start, met.goal, speeds=speeds, encounters=how, params=params)
         for how in ("rules", "none")
     }
     assert (run["rules"].status == Status.REACHED).all()
@@ -165,10 +168,10 @@ def test_headings_at_the_goal():
     starts = np.concatenate([np.zeros((90, 1, 2)), rng.uniform(-3, 3, (90, 1, 1))], axis=2)
     goals = rng.uniform(-1, 1, (90, 1, 2)) * 4000.0
     wanted = np.repeat([0.0, np.pi / 3, np.pi / 2], 30)[:, None]
-    found = navigate(None, starts, goals, headings=wanted)
+    found = uj.navigate(None, starts, goals, headings=wanted)
     assert (found.status == Status.REACHED).all()
     assert np.degrees(found.heading_error).max() < 5.0
-    shut = navigate(
+    shut = uj.navigate(
         starts[:1, 0, :2] + np.array([[900.0, 0.0], [0.0, 900.0], [-900.0, 0.0], [0.0, -900.0]]),
         starts[:1] + np.array([5000.0, 5000.0, 0.0]),
         starts[:1, :, :2],
@@ -180,9 +183,108 @@ def test_headings_at_the_goal():
 def test_a_goal_within_a_ring_of_circles_is_unreachable():
     angle = np.linspace(0, 2 * np.pi, 16, endpoint=False)
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * 1500.0
-    found = navigate(ring, [[[-5000.0, 0.0, 0.0]]], [[[0.0, 0.0]]])
+    found = uj.navigate(ring, [[[-5000.0, 0.0, 0.0]]], [[[0.0, 0.0]]])
     assert found.status[0] == Status.UNREACHABLE
     assert found.path_length[0, 0] == 0.0
+
+
+LAKE = np.zeros((40, 40), bool)
+LAKE[10:20, 10:20] = True
+LAKE = uj.GridMap(LAKE, 100.0, (1000.0, 2000.0))
+AFLOAT = {
+    "scene": LAKE,
+    "starts": [[[1150, 2150, 0], [1150, 5500, 0]]],
+    "goals": [[[4550, 5550], [4550, 2550]]],
+}
+NAN = np.nan
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (AFLOAT | {"goals": [[[4550, 5550], [2550, 3550]]]}, r"^goals: vessel 1 .* an obstacle"),
+        (AFLOAT | {"goals": [[[5550, 5550], [4550, 2550]]]}, r"^goals: vessel 0 .* off the map"),
+        (
+            AFLOAT | {"starts": [[[2550, 3550, 0], [1150, 5500, 0]]]},
+            r"^starts: vessel 0 of fleet 0 at \(2550, 3550\) m touches an obstacle",
+        ),
+        (AFLOAT | {"velocities": [[1.0, 0.0]]}, "^velocities: got some; only circles move"),
+        ({"scene": [[100.0, 3000.0]]}, r"^goals: vessel 1 .* wanted it 170 m from"),
+        ({"scene": [[100.0, 0.0]]}, "^starts: vessel 0 .* an obstacle"),
+        ({"scene": np.zeros((1, 0, 3), bool)}, r"^scene: got bool\[1, 0, 3\]"),
+        (
+            {"scene": np.broadcast_to(np.zeros((1, 1, 1), bool), (1, 40_000, 40_000))},
+            "^scene: a map has 40,000 x 40,000 cells; wanted at most",
+        ),
+        (
+            {"starts": [[[0, 0, 0], [30, 0, 0]]]},
+            "^starts: vessels 0 and 1 of fleet 0 are 30 m apart; wanted at least 40 m",
+        ),
+        ({"goals": [[[0, 3000], [30, 3000]]]}, "^goals: vessels 0 and 1 of fleet 0 are 30 m"),
+        ({"starts": [[[3e5, 0, 0], [0, 0, 0]]]}, r"^starts: .* within 200000 m of \(0, 0\)"),
+        ({"valid": [[False, False]]}, "^valid: fleet 0 has no vessel"),
+        (
+            {"speeds": [[0.0, 20.0]]},
+            r"^speeds: vessel 1 .* 20 m/s; wanted 0 to v_max, 10\.2889 m/s",
+        ),
+        ({"encounters": "rule"}, "^encounters: got 'rule'; did you mean 'rules'"),
+        ({"static": uj.FleetStatic(unit_length=0.1)}, "^static.unit_length: got 0.1 m, of which"),
+        ({"static": uj.FleetStatic(look_ahead=1e5)}, "^static.look_ahead: got 100000 m"),
+        ({"static": uj.FleetStatic(n_v=1000, n_w=1000)}, "^static: 1000 x 1000 candidates"),
+        ({"static": uj.FleetStatic(n_v=40)}, "^static.n_v: 40 candidates; .* holds 41"),
+        (
+            {"scene": [[1500.0, 1500.0]], "static": uj.FleetStatic(cell_size=0.01)},
+            "^static.cell_size: of 0.01 m: the grid of a route has .* cells; wanted at most",
+        ),
+        (
+            {
+                "params": uj.FleetParams(v_max=0.1, v_step=0.1),
+                "static": uj.FleetStatic(unit_length=0.01, look_ahead=1.0),
+            },
+            "^static.unit_length: got 0.01 m, for a route of .* at most 65,536 points",
+        ),
+        ({"starts": [[[0, NAN, 0], [3000, 0, 0]]]}, "^starts: nan at index"),
+        ({"goals": [[[0, 3000], [NAN, 3000]]]}, "^goals: nan at index"),
+        ({"headings": [[0.0, NAN]]}, "^headings: nan at index"),
+        ({"speeds": [[0.0, NAN]]}, "^speeds: nan at index"),
+        ({"scene": [[NAN, 1000.0]]}, "^scene: nan at index"),
+        ({"scene": [[900.0, 900.0]], "velocities": [[NAN, 0.0]]}, "^velocities: nan at index"),
+        ({"static": uj.FleetStatic(guide_length=NAN)}, "^static.guide_length: got nan"),
+        *(
+            ({"params": uj.FleetParams(**{f.name: NAN})}, f"^params.{f.name}: got nan")
+            for f in fields(uj.FleetParams)
+        ),
+    ],
+)
+def test_what_cannot_be_sailed_is_refused_at_once(given, says):
+    usual = {
+        "scene": None,
+        "starts": [[[0, 0, 0], [3000, 0, 3]]],
+        "goals": [[[3000, 3000], [0, 3000]]],
+        "params": PARAMS,
+    }
+    began = time.process_time()
+    with pytest.raises(uj.BadInputError, match=says):
+        uj.navigate(**(usual | given))
+    assert time.process_time() - began < 1.0
+
+
+def test_grids_of_routes_are_searched_some_at_a_time(monkeypatch):
+    circles = np.array([[[1000.0, 0.0], [1000.0, 400.0]], [[2000.0, 100.0], [1000.0, -317.0]]])
+    start, end = np.zeros((5, 2)), np.linspace([3000.0, -300.0], [3000.0, 300.0], 5)
+    fleet, reach = np.array([0, 1, 0, 1, 0]), np.full(5, 250.0)
+    ground = Circles(circles, 60.0)
+    whole = ground.path(fleet, start, end, reach)
+    monkeypatch.setattr("usvjax.missions.fleet.ground.MOST_CELLS", 1)
+    apart = ground.path(fleet, start, end, reach)
+    assert whole[2].all()
+    assert whole[1].max() > 2
+    for one, other in zip(whole, apart, strict=True):
+        assert np.array_equal(one, other)
+    for row in range(5):
+        way = whole[0][row, : whole[1][row]]
+        alone = np.full(len(way) - 1, fleet[row]), way[:-1], way[1:], np.full(len(way) - 1, 250.0)
+        assert ground.clear(*alone).all()
 
 
 @pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: programs of its own")
@@ -203,17 +305,17 @@ def test_maps_are_sailed_round_and_places_on_an_edge_are_places():
     static = uj.FleetStatic(n_v=11, unit_length=1.0, look_ahead=4.0, guide_length=6.0)
     starts = np.tile([[[2.0, 2.5, 0.0], [37.5, 2.0, 1.5]]], (16, 1, 1))
     goals = np.tile([[[37.0, 37.0], [2.5, 37.5]]], (16, 1, 1))
-    own = navigate(blocked, starts, goals, params=params, static=static)
+    own = uj.navigate(blocked, starts, goals, params=params, static=static)
     assert (own.status == Status.REACHED).all()
     assert own.min_clearance.min() > 0.0
     grid = uj.GridMap(blocked[3], cell_size=1.0, origin=(1000.0, -500.0))
     corner = np.array([1000.0, -500.0])
-    shared = navigate(
+    shared = uj.navigate(
         grid, starts + np.append(corner, 0.0), goals + corner, params=params, static=static
     )
     assert (shared.status == Status.REACHED).all()
     assert shared.final[3, :, :2] - corner == pytest.approx(own.final[3, :, :2], abs=2.0)
     shut = np.ones((40, 40), bool)
     shut[:10] = shut[30:] = False
-    apart = navigate(shut, starts[:1], goals[:1], params=params, static=static)
+    apart = uj.navigate(shut, starts[:1], goals[:1], params=params, static=static)
     assert (apart.vessel_status == Status.UNREACHABLE).all()

@@ -5,16 +5,28 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.checks import float_array, not_negative, positive
-from usvjax.missions.fleet.formations import assigned, check_tight, placed, slots_of
-from usvjax.missions.fleet.params import FleetParams, FleetStatic
-from usvjax.missions.fleet.run import FleetResult, navigate
+from usvjax.checks import any_array, float_array, not_negative, one_of
+from usvjax.missions.fleet.environment import Environment
+from usvjax.missions.fleet.formations import assigned, check_spacing, check_tight, placed, slots_of
+from usvjax.missions.fleet.inputs import pack, presence, start_places
+from usvjax.missions.fleet.params import STRATEGIES, FleetParams, FleetStatic, check_params
+from usvjax.missions.fleet.rounding import ways_round
+from usvjax.missions.fleet.run import FleetResult, sail
+from usvjax.paths.inputs import MOST_COORDINATE
 from usvjax.public import public
 from usvkernels.fleet.state import ABSENT
 from usvkernels.status import Status
 
 GOAL_TOLERANCE = 10.0
 """m from its slot, within which a vessel stops; not printed."""
+
+LIVELOCK_TIME = 1800.0
+"""s that a vessel may come no further along its route: where all meet, many have to come back."""
+
+MOST_STEPS = 7200
+"""Default bound on the steps of an episode."""
+
+_DEFAULTS = FleetParams(goal_tolerance=GOAL_TOLERANCE, livelock_time=LIVELOCK_TIME)
 
 ROOM = 1.5
 """Default spacing, in distances at which hulls pass each other."""
@@ -25,7 +37,7 @@ class AggregateResult(FleetResult):
     """How B aggregations ended, beside what `FleetResult` says.
 
     Attributes:
-        formed: bool[B], whether every vessel holds its slot, within the heading tolerance.
+        formed: bool[B], whether every vessel holds its slot, within the tolerances of `params`.
         formed_time: float32[B], when they had all held it for the hold time (s); inf if not.
         slot: int32[B, n], the slot that each vessel was given.
         formation_error: float32[B], largest distance of a vessel from its slot at the end (m).
@@ -51,8 +63,8 @@ def aggregate(
     assignment: str = "hungarian",
     encounters: str = "rules",
     hold_time: float = 10.0,
-    heading_tolerance: float = np.radians(5.0),
     valid: Any = None,
+    environment: Environment | None = None,
     params: FleetParams | None = None,
     static: FleetStatic | None = None,
     record: bool = False,
@@ -60,20 +72,22 @@ def aggregate(
     """Gather B fleets of n vessels in a formation, all on one heading.
 
     Each vessel navigates (`navigate`) to a slot by a guide segment on the heading (Wei & Zhang
-    2023, section 2.3.2), stops there and holds it.
+    2023, section 2.3.2), stops there and holds it. Who comes from ahead of the formation sails
+    round it first, where there is a way, so that nobody crosses the slots of others.
 
     Args:
-        scene, starts, encounters, valid, static, record: as of `navigate`.
+        scene, starts, encounters, valid, environment, record: as of `navigate`.
         centre: float[B, 2] or float[2], of the formation (m).
         heading: float[B] or one number (rad).
         formation: "wedge", "line" (abreast), "column", "circle", or float[S, 2], slots of one's
             own: m ahead of the centre and to port.
         spacing: between neighbouring slots (m); None: one and a half times the distance at which
-            the largest hulls pass each other.
+            a fleet's largest hulls pass each other.
         assignment: "hungarian" (the least sum of distances), "nearest" (pair by pair) or "given".
         hold_time: that every vessel is to hold its slot for (s).
-        heading_tolerance: for a vessel that holds its slot (rad).
-        params: numbers; by default those of `navigate`, with a goal tolerance of 10 m.
+        params: numbers; by default those of `navigate`, with a goal tolerance of 10 m and 1,800 s
+            to come further along a route in.
+        static: choices of method; by default those of `navigate`, with up to 7,200 steps.
 
     Returns:
         The outcomes, in the order of `starts`.
@@ -82,42 +96,49 @@ def aggregate(
         BadTypeError, BadInputError: as `navigate`; a formation tighter than the hulls, with fewer
             slots than vessels, or with a slot in an obstacle.
     """
-    params = FleetParams(goal_tolerance=GOAL_TOLERANCE) if params is None else params
-    static = FleetStatic() if static is None else static
-    start = float_array("starts", starts, (None, None, 3))
+    params = _DEFAULTS if params is None else params
+    static = FleetStatic(max_steps=MOST_STEPS) if static is None else static
+    one_of("encounters", encounters, STRATEGIES)
+    start = start_places(starts)
     fleets, n = start.shape[:2]
+    present = presence(valid, (fleets, n))
+    params = check_params(params, static, (fleets, n))
     centres = _of_fleets("centre", centre, fleets, (2,))
     headings = _of_fleets("heading", heading, fleets, ())
     hold_time = not_negative("hold_time", hold_time)
-    heading_tolerance = positive("heading_tolerance", heading_tolerance)
-    hull = np.broadcast_to(np.asarray(params.hull_radius, np.float64), (fleets, n))
-    if spacing is None:
-        spacing = ROOM * float(2 * hull.max() + np.max(params.passing))
-    slots = slots_of(formation, n, spacing)
+    hull = np.broadcast_to(params.hull_radius, (fleets, n))
+    room = 2 * hull.max(axis=1) + np.broadcast_to(params.passing, (fleets, n)).max(axis=1)
+    spacings = ROOM * room if spacing is None else np.full(fleets, check_spacing(spacing))
+    slots = slots_of(formation, n, spacings)
     check_tight(slots, hull)
     there = placed(slots, centres, headings)
-    slot = assigned(assignment, start[..., :2], there)
+    slot = assigned(assignment, start[..., :2], there, present)
     goals = np.take_along_axis(there, slot[..., None].astype(np.int64), axis=1)
-    found = navigate(
+    on_heading = np.repeat(headings[:, None], n, axis=1)
+    voyage = pack(
         scene,
         start,
         goals,
-        headings=np.repeat(headings[:, None], n, axis=1),
-        valid=valid,
-        encounters=encounters,
-        params=params,
-        static=static,
-        record=record,
+        on_heading,
+        present,
+        None,
+        None,
+        environment,
+        params,
+        static,
+        ends="slots",
+        via=ways_round(start[..., :2], slots, slot, centres, headings, room, static.guide_length),
     )
-    return _formed(found, slot, goals, hold_time, heading_tolerance)
+    found = sail(voyage, static, encounters, record)
+    return _formed(found, slot, goals, hold_time, params.heading_tolerance)
 
 
 def _of_fleets(name: str, value: Any, fleets: int, shape: tuple[int, ...]) -> np.ndarray:
     """One of a kind for each fleet, [B, ...]; given once, or for each."""
-    array = np.asarray(value)
-    if array.ndim == len(shape):
-        return np.broadcast_to(float_array(name, value, shape), (fleets, *shape))
-    return float_array(name, value, (fleets, *shape))
+    array = any_array(name, value, f"numbers for all {fleets} fleets, or for each")
+    each = () if array.ndim == len(shape) else (fleets,)
+    checked = float_array(name, array, (*each, *shape), MOST_COORDINATE)
+    return np.broadcast_to(checked, (fleets, *shape))
 
 
 def _formed(
@@ -125,7 +146,7 @@ def _formed(
     slot: np.ndarray,
     goals: np.ndarray,
     hold_time: float,
-    tolerance: float,
+    tolerance: Any,
 ) -> AggregateResult:
     absent = found.vessel_status == ABSENT
     holds = (found.vessel_status == int(Status.REACHED)) & (found.heading_error <= tolerance)

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from usvjax.maps import GridMap
-from usvjax.memory import check_memory
 from usvjax.paths.inputs import Frame
 from usvjax.paths.smoothing import key_points
 from usvjax.paths.water import segments_clear
@@ -89,5 +88,4 @@ class Chart:
     @cached_property
     def _distance(self) -> np.ndarray:
         """From each cell's centre to the nearest of a blocked one, float64[B or 1, H, W] (m)."""
-        check_memory(8 * self.blocked.size, f"scene: {len(self.blocked)} maps")
         return np.stack([GridMap(cells, self.cell_size).clearance() for cells in self.blocked])

@@ -8,7 +8,12 @@ import numpy as np
 
 from usvjax.checks import any_array, float_array, positive, public_name
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.missions.fleet.params import MOST_SPEED
+from usvjax.paths.inputs import MOST_COORDINATE
 from usvkernels.fleet import environment as kernels
+
+LEAST_RADIUS = 1e-3
+"""Of a vortex's core (m); its square is to be above 0 in single precision."""
 
 Vector = Any
 """Towards east and north: float[2], or float[B, 2], one per episode."""
@@ -112,7 +117,8 @@ def pack(environment: Environment, fleets: int, leeway: Any) -> kernels.Environm
         got, names = type(current).__name__, [public_name(kind) for kind in _PACKED]
         raise BadTypeError(f"environment.current: got {got}; wanted {', '.join(names)} or None")
     packed = _PACKED[type(current)](current, fleets)
-    return kernels.Environment(packed, _vector("wind", environment.wind, fleets), leeway)
+    wind = _vector("wind", environment.wind, fleets, MOST_SPEED)
+    return kernels.Environment(packed, wind, leeway)
 
 
 def moved(environment: kernels.Environment, origin: np.ndarray) -> kernels.Environment:
@@ -153,7 +159,7 @@ def refuse_fast(environment: kernels.Environment, v_max: Any, present: np.ndarra
 
 
 def _uniform(current: UniformCurrent, fleets: int) -> kernels.Uniform:
-    return kernels.Uniform(_vector("current.velocity", current.velocity, fleets))
+    return kernels.Uniform(_vector("current.velocity", current.velocity, fleets, MOST_SPEED))
 
 
 def _shear(current: ShearCurrent, fleets: int) -> kernels.Shear:
@@ -161,31 +167,34 @@ def _shear(current: ShearCurrent, fleets: int) -> kernels.Shear:
     return kernels.Shear(
         place=_vector("current.place", current.place, fleets),
         direction=(np.cos(direction), np.sin(direction)),
-        speed=_number("current.speed", current.speed, fleets),
-        rate=_number("current.rate", current.rate, fleets),
+        speed=_number("current.speed", current.speed, fleets, MOST_SPEED),
+        rate=_number("current.rate", current.rate, fleets, 1.0),
     )
 
 
 def _vortex(current: VortexCurrent, fleets: int) -> kernels.Vortex:
     radius = _number("current.radius", current.radius, fleets)
-    if not np.all(radius > 0):
+    if not np.all(radius >= LEAST_RADIUS):
         raise BadInputError(
-            f"environment.current.radius: got {np.min(radius):g} m; wanted more than 0"
+            f"environment.current.radius: got {np.min(radius):g} m; wanted {LEAST_RADIUS:g} m or "
+            "more"
         )
     return kernels.Vortex(
         place=_vector("current.place", current.place, fleets),
-        speed=_number("current.speed", current.speed, fleets),
+        speed=_number("current.speed", current.speed, fleets, MOST_SPEED),
         radius=radius,
     )
 
 
 def _field(current: FieldCurrent, fleets: int) -> kernels.Field:
-    velocity = float_array("environment.current.velocity", current.velocity, (None, None, 2))
+    velocity = float_array(
+        "environment.current.velocity", current.velocity, (None, None, 2), MOST_SPEED
+    )
     if not velocity.size:
         raise BadInputError(
             f"environment.current.velocity: got shape {velocity.shape}; wanted at least one cell"
         )
-    origin = float_array("environment.current.origin", current.origin, (2,))
+    origin = float_array("environment.current.origin", current.origin, (2,), MOST_COORDINATE)
     rows_first: Any = np.moveaxis(velocity, -1, 0)
     return kernels.Field(
         velocity=rows_first,
@@ -202,15 +211,17 @@ _PACKED: dict[type, Callable[[Any, int], kernels.Current]] = {
 }
 
 
-def _number(name: str, value: Number, fleets: int) -> Any:
-    """A scalar, or float64[B, 1]."""
+def _number(name: str, value: Number, fleets: int, most: float = MOST_COORDINATE) -> Any:
+    """A scalar, or float64[B, 1]; at most so much."""
     many = any_array(f"environment.{name}", value, "a number or float[B]").ndim > 0
-    array = float_array(f"environment.{name}", value, (fleets,) if many else ())
+    array = float_array(f"environment.{name}", value, (fleets,) if many else (), most)
     return array[:, None] if many else array
 
 
-def _vector(name: str, value: Vector, fleets: int) -> tuple[Any, Any]:
-    """Two scalars, or two of float64[B, 1]."""
+def _vector(
+    name: str, value: Vector, fleets: int, most: float = MOST_COORDINATE
+) -> tuple[Any, Any]:
+    """Two scalars, or two of float64[B, 1]; at most so much."""
     many = any_array(f"environment.{name}", value, "float[2] or float[B, 2]").ndim == 2
-    array = float_array(f"environment.{name}", value, (fleets, 2) if many else (2,))
+    array = float_array(f"environment.{name}", value, (fleets, 2) if many else (2,), most)
     return (array[:, :1], array[:, 1:]) if many else (array[0], array[1])

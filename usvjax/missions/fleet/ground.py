@@ -5,7 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
-from usvjax.errors import BadInputError
+from usvjax.batches import filled
+from usvjax.errors import saying_where
 from usvjax.maps.grid_map import check_size
 from usvjax.paths.smoothing import key_points
 from usvjax.search.astar import astar
@@ -14,6 +15,12 @@ from usvkernels.status import Status
 
 AT_ONCE = 1 << 22
 """Numbers in one array of a check."""
+
+MOST_CELLS = 1 << 24
+"""Of the grids on which ways are searched at a time."""
+
+BYTES = 20
+"""Of memory that a cell of such a grid takes while distances to circles are measured."""
 
 
 class Ground(Protocol):
@@ -78,26 +85,37 @@ class Circles:
         around = np.flatnonzero(~self.clear(fleet, start, end, reach))
         if not len(around):
             return corners, counts, found
-        blocked, origin = self._grids(fleet[around], start[around], end[around], reach[around])
-        first, last = (self._cells(p[around], origin, blocked.shape) for p in (start, end))
+        low, (height, width) = self._extents(
+            fleet[around], start[around], end[around], reach[around]
+        )
+        each = max(1, MOST_CELLS // (height * width))
+        for first in range(0, len(around), each):
+            rows, origin = around[first : first + each], low[first : first + each]
+            blocked = self._grids(fleet[rows], reach[rows], origin, height, width)
+            points, count, reached = self._ways(blocked, origin, start[rows], end[rows])
+            corners = filled(corners, points.shape[1], axis=1)
+            corners[rows, : points.shape[1]] = points
+            counts[rows], found[rows] = count, reached
+        return corners, counts, found
+
+    def _ways(
+        self, blocked: np.ndarray, origin: np.ndarray, start: np.ndarray, end: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """As `path`, on grids bool[R, H, W] with their corners float64[R, 2] (m)."""
+        first, last = (self._cells(p, origin, blocked.shape) for p in (start, end))
         # The cell of a vessel or a goal may be shut by what is only near.
-        every = np.arange(len(around))
+        every = np.arange(len(blocked))
         for cell in (first, last):
             blocked[every, cell[:, 1], cell[:, 0]] = False
         ways = astar(blocked, first, last)
         reached = ways.status == int(Status.FOUND)
         keys = key_points(ways.path, np.where(reached, ways.path_cells, 0), blocked)
         count = np.where(reached, np.maximum(keys.path_cells, 2), 2)
-        points = origin[:, None] + self.cell_size * (keys.path[:, : count.max()] + 0.5)
-        points = np.concatenate([points, points[:, -1:]], axis=1)[:, : max(2, count.max())]
-        points[:, 0] = start[around]
+        cells = filled(keys.path, int(count.max()), axis=1)[:, : count.max()]
+        points = origin[:, None] + self.cell_size * (cells + 0.5)
+        points[:, 0] = start
         at_end = np.arange(points.shape[1]) >= (count - 1)[:, None]
-        points = np.where(at_end[..., None], end[around, None], points)
-        corners = np.concatenate(
-            [corners, np.repeat(end[:, None], points.shape[1] - 2, axis=1)], axis=1
-        )
-        corners[around], counts[around], found[around] = points, count, reached
-        return corners, counts, found
+        return np.where(at_end[..., None], end[:, None], points), count, reached
 
     def _of(self, fleet: np.ndarray) -> np.ndarray:
         return self.centres[fleet if len(self.centres) > 1 else np.zeros_like(fleet)]
@@ -106,30 +124,29 @@ class Circles:
         cells = np.floor((points - origin) / self.cell_size).astype(np.int64)
         return np.clip(cells, 0, np.array(shape[:0:-1]) - 1)
 
-    def _grids(
+    def _extents(
         self, fleet: np.ndarray, start: np.ndarray, end: np.ndarray, reach: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Blocked cells about each vessel's passage, bool[R, H, W], and their corners (m)."""
+    ) -> tuple[np.ndarray, tuple[int, int]]:
+        """Corners of grids about vessels' passages and all circles, and rows and columns of all."""
         centres = self._of(fleet)
-        there = centres[..., 0] < FAR / 2
-        # A cell is shut if any of it is too near: the way found is clear, whatever the cells.
-        keep = reach + self.cell_size * np.sqrt(0.5)
+        there = np.all(np.abs(centres) < FAR / 2, axis=2)[..., None]
         room = (reach + 3 * self.cell_size)[:, None]
         ends = np.stack([start, end], axis=1)
-        low = np.minimum(
-            ends.min(axis=1), np.where(there[..., None], centres, np.inf).min(axis=1) - room
-        )
-        high = np.maximum(
-            ends.max(axis=1), np.where(there[..., None], centres, -np.inf).max(axis=1) + room
-        )
+        low = np.minimum(ends.min(axis=1), np.where(there, centres, np.inf).min(axis=1) - room)
+        high = np.maximum(ends.max(axis=1), np.where(there, centres, -np.inf).max(axis=1) + room)
         low, high = low - 2 * self.cell_size, high + 2 * self.cell_size
         width, height = (int(n) for n in np.ceil((high - low).max(axis=0) / self.cell_size))
-        if not height * width * len(fleet) < 2**31:
-            raise BadInputError(
-                f"static.cell_size: {len(fleet)} grids of {height} x {width} cells of "
-                f"{self.cell_size:g} m; wanted fewer, by larger cells"
-            )
-        check_size(height, width, "the grid of a route")
+        with saying_where(f"static.cell_size: of {self.cell_size:g} m"):
+            check_size(height, width, "the grid of a route", each=BYTES)
+        return low, (height, width)
+
+    def _grids(
+        self, fleet: np.ndarray, reach: np.ndarray, low: np.ndarray, height: int, width: int
+    ) -> np.ndarray:
+        """Cells that are blocked, bool[R, H, W], from their corners float64[R, 2] (m) on."""
+        centres = self._of(fleet)
+        # A cell is shut if any of it is too near: the way found is clear, whatever the cells.
+        keep = reach + self.cell_size * np.sqrt(0.5)
         blocked = np.zeros((len(fleet), height, width), bool)
         x = low[:, :1] + self.cell_size * (np.arange(width) + 0.5)
         y = low[:, 1:] + self.cell_size * (np.arange(height) + 0.5)
@@ -137,7 +154,7 @@ class Circles:
             east, north = x - centres[:, k, :1], y - centres[:, k, 1:]
             square = north[:, :, None] ** 2 + east[:, None, :] ** 2
             blocked |= square < keep[:, None, None] ** 2
-        return blocked, low
+        return blocked
 
 
 def _distance(start: np.ndarray, end: np.ndarray, centres: np.ndarray) -> np.ndarray:

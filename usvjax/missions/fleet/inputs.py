@@ -15,6 +15,7 @@ from usvjax.missions.fleet.ground import Ground
 from usvjax.missions.fleet.params import FleetParams, FleetStatic, check_params
 from usvjax.missions.fleet.places import Place, place
 from usvjax.missions.fleet.routes import Plan, lay
+from usvjax.paths.inputs import MOST_COORDINATE
 from usvkernels.dwa.charted import Charted
 from usvkernels.fleet import environment as kernels
 from usvkernels.fleet.state import ABSENT, Jobs
@@ -97,22 +98,27 @@ def pack(
     environment: Environment | None,
     params: FleetParams,
     static: FleetStatic,
+    ends: str = "goals",
+    via: np.ndarray | None = None,
 ) -> Voyage:
-    """Check and pack the fleets of `navigate`, whose docstring says what is what."""
-    start = float_array("starts", starts, (None, None, 3))
+    """Check and pack the fleets of `navigate`, whose docstring says what is what.
+
+    Args:
+        scene, starts, goals, headings, valid, speeds, velocities: as given.
+        environment, params, static: as given, or by default.
+        ends: what goals are called in messages.
+    """
+    start = start_places(starts)
     shape = start.shape[:2]
-    if not shape[0] >= 1 or not 1 <= shape[1] <= MOST_VESSELS:
-        raise BadInputError(
-            f"starts: got shape {start.shape}; wanted at least one fleet of 1 to {MOST_VESSELS} "
-            "vessels"
-        )
-    goal = float_array("goals", goals, (*shape, 2))
-    heading = None if headings is None else float_array("headings", headings, shape)
+    goal = float_array(ends, goals, (*shape, 2), MOST_COORDINATE)
+    heading = None
+    if headings is not None:
+        heading = float_array("headings", headings, shape, MOST_COORDINATE)
     speed = np.zeros(shape) if speeds is None else float_array("speeds", speeds, shape)
-    present = np.ones(shape, bool) if valid is None else _mask(valid, shape)
-    check_params(params, static, shape)
+    present = presence(valid, shape)
+    params = check_params(params, static, shape)
     _check_speed(speed, params)
-    hull = np.broadcast_to(np.asarray(params.hull_radius, np.float64), shape)
+    hull = np.broadcast_to(params.hull_radius, shape)
     surrounding = None
     if environment is not None:
         leeway = params.leeway if static.model == "unicycle" else 0.0
@@ -120,12 +126,20 @@ def pack(
         refuse_fast(surrounding, params.v_max, present)
     where = place(scene, velocities, shape[0], hull, params, static)
     start, goal = start - np.append(where.origin, 0.0), goal - where.origin
-    for name, points in (("starts", start[..., :2]), ("goals", goal)):
-        _refuse_remote(name, points)
+    for name, points in (("starts", start[..., :2]), (ends, goal)):
+        _refuse_remote(name, points, where.origin)
         _refuse_overlap(name, points, hull, present)
         ground = where.at_start if name == "starts" else where.ground
         _refuse_inside(name, points, present, where, ground)
-    plan = lay(where.ground, start[..., :2], goal, heading, where.reach, static)
+    plan = lay(
+        where.ground,
+        start[..., :2],
+        goal,
+        heading,
+        where.reach,
+        static,
+        None if via is None else via - where.origin,
+    )
     psi = (start[..., 2] + np.pi) % (2 * np.pi) - np.pi
     return Voyage(
         start=np.stack([start[..., 0], start[..., 1], psi, speed], axis=-1),
@@ -142,7 +156,21 @@ def pack(
     )
 
 
-def _mask(valid: Any, shape: tuple[int, ...]) -> np.ndarray:
+def start_places(starts: Any) -> np.ndarray:
+    """The starts of B fleets of n vessels, float64[B, n, 3], both at least 1."""
+    start = float_array("starts", starts, (None, None, 3), MOST_COORDINATE)
+    if not start.shape[0] >= 1 or not 1 <= start.shape[1] <= MOST_VESSELS:
+        raise BadInputError(
+            f"starts: got shape {start.shape}; wanted at least one fleet of 1 to {MOST_VESSELS} "
+            "vessels"
+        )
+    return start
+
+
+def presence(valid: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """Which places in the fleets are taken, bool[B, n]."""
+    if valid is None:
+        return np.ones(shape, bool)
     mask = any_array("valid", valid, "bools")
     if mask.dtype != bool:
         raise BadTypeError(f"valid: got dtype {mask.dtype}; wanted bool")
@@ -155,22 +183,25 @@ def _mask(valid: Any, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _check_speed(speed: np.ndarray, params: FleetParams) -> None:
-    bad = (speed < 0) | (speed > np.asarray(params.v_max) * (1 + 1e-6))
+    most = np.broadcast_to(params.v_max, speed.shape)
+    bad = (speed < 0) | (speed > most * (1 + 1e-6))
     if bad.any():
         row, i = (int(k) for k in np.argwhere(bad)[0])
         raise BadInputError(
-            f"speeds: vessel {i} of fleet {row} starts at {speed[row, i]:g} m/s; wanted 0 to v_max"
+            f"speeds: vessel {i} of fleet {row} starts at {speed[row, i]:g} m/s; wanted 0 to "
+            f"v_max, {most[row, i]:g} m/s"
         )
 
 
-def _refuse_remote(name: str, points: np.ndarray) -> None:
+def _refuse_remote(name: str, points: np.ndarray, origin: np.ndarray) -> None:
     remote = np.any(np.abs(points) > MOST_REMOTE, axis=-1)
     if remote.any():
         row, i = (int(k) for k in np.argwhere(remote)[0])
-        x, y = points[row, i]
+        x, y = points[row, i] + origin
         raise BadInputError(
-            f"{name}: vessel {i} of fleet {row} lies at ({x:g}, {y:g}) m; single precision wants "
-            f"coordinates below {MOST_REMOTE:g} m: subtract a local origin"
+            f"{name}: vessel {i} of fleet {row} lies at ({x:g}, {y:g}) m; wanted within "
+            f"{MOST_REMOTE:g} m of ({origin[0]:g}, {origin[1]:g}), for single precision: subtract "
+            "a local origin"
         )
 
 

@@ -5,13 +5,27 @@ so it judges them all alike. Made for open water, where a vessel that meets nobo
 """
 
 from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
-from usvjax.checks import float_array, positive
+from usvjax.checks import MOST_SINGLE, any_array, float_array, positive
+from usvjax.errors import BadInputError
+from usvjax.missions.fleet.inputs import MOST_VESSELS
 from usvjax.public import public
 
-NONE, HEAD_ON, CROSSING, OVERTAKING = range(4)
+
+class MeetingKind(IntEnum):
+    """How two vessels meet, of which the rules know three ways."""
+
+    NONE = 0
+    HEAD_ON = 1
+    CROSSING = 2
+    OVERTAKING = 3
+
+
+NONE, HEAD_ON, CROSSING, OVERTAKING = MeetingKind
 KINDS = ("none", "head-on", "crossing", "overtaking")
 
 AHEAD, ABAFT = np.cos(np.radians(6.0)), np.cos(np.radians(112.5))
@@ -20,6 +34,9 @@ UNDER_WAY = 0.9
 
 ALTERED, SLOWED = np.radians(10.0), 0.1
 """What another vessel would notice: a course altered so much, a share of the speed lost."""
+
+SLIGHT = 0.97
+"""Of the distance wanted, as near as which vessels pass without having to act."""
 
 LAST_MOMENT = 60.0
 """Seconds before contact, from which a stand-on vessel may act as well."""
@@ -30,8 +47,8 @@ class Meetings:
     """Pairs of B fleets, [B, n, n]: of vessel i with vessel j; numpy arrays.
 
     Attributes:
-        kind: int, HEAD_ON, CROSSING, OVERTAKING by the bearings at first sight; NONE where the two
-            would not pass within the distance wanted.
+        kind: int, `MeetingKind` by the bearings at first sight; NONE where the two would not pass
+            within the distance wanted, or hardly.
         gives_way: bool, whether i gives way to j.
         dcpa, tcpa: at first sight, between centres (m) and from then (s).
         action_time: when i first altered course or speed so that it shows (s); inf if never.
@@ -57,9 +74,7 @@ class Meetings:
 
 
 @public()
-def meetings(
-    trajectory: np.ndarray, hull_radius: np.ndarray, passing: float, dt: float
-) -> Meetings:
+def meetings(trajectory: Any, hull_radius: Any, passing: float, dt: float) -> Meetings:
     """Note what happened between the vessels of recorded fleets.
 
     Args:
@@ -69,11 +84,22 @@ def meetings(
         dt: control period (s).
 
     Raises:
-        BadTypeError, BadInputError: other types or shapes.
+        BadTypeError, BadInputError: other types or shapes, numbers that single precision does not
+            hold, hulls below 0 m.
     """
-    track = float_array("trajectory", trajectory, (None, None, None, 5))
+    track = float_array("trajectory", trajectory, (None, None, None, 5), MOST_SINGLE)
     fleets, _, n, _ = track.shape
-    hull = np.broadcast_to(float_array("hull_radius", hull_radius, (None, n)), (fleets, n))
+    if not track.size or n > MOST_VESSELS:
+        raise BadInputError(
+            f"trajectory: got shape {track.shape}; wanted at least one step of at least one fleet "
+            f"of 1 to {MOST_VESSELS} vessels"
+        )
+    hull = any_array("hull_radius", hull_radius, "float[B or 1, n]")
+    rows = 1 if hull.shape[:1] == (1,) else fleets
+    hull = float_array("hull_radius", hull, (rows, n), MOST_SINGLE)
+    if (hull < 0).any():
+        raise BadInputError(f"hull_radius: got {hull.min():g} m; wanted 0 m or more")
+    hull = np.broadcast_to(hull, (fleets, n))
     wanted = positive("passing", passing)
     step = positive("dt", dt)
     parts = [
@@ -104,7 +130,7 @@ def _pair(
     place, velocity = _relative(own[row, first], other[row, first])
     dcpa, tcpa = _approach(place, velocity)
     kind, gives = _roles(own[row, first], other[row, first], place)
-    meets = (tcpa > 0) & (dcpa < hulls + passing)
+    meets = (tcpa > 0) & (dcpa < SLIGHT * (hulls + passing))
     kind, gives = np.where(meets, kind, NONE), gives & meets
     turned = (own[..., 2] - own[row, first, 2][:, None] + np.pi) % (2 * np.pi) - np.pi
     speed = own[..., 3] / np.maximum(own[row, first, 3], 1e-9)[:, None]
@@ -128,13 +154,12 @@ def _pair(
         "to_port": port,
         "slowest": np.where(during, speed, np.inf).min(axis=1),
     }
-    place, _ = _relative(own[row, closest], other[row, closest])
-    bow = own[row, closest, 2]
-    to_port = np.cos(bow) * place[:, 1] - np.sin(bow) * place[:, 0] > 0
     # Once clear it may come back to its route from starboard: what counts is its first action.
     began_to_port = turned[row, action] > ALTERED
-    contact = _contact(own[row, action], other[row, action], hulls)
-    acted_well = ~began_to_port & (to_port | (found["least_distance"] >= hulls + 2 * passing))
+    unaltered = own[row, action]
+    unaltered[:, 2:4] = own[row, first, 2:4]
+    contact = _contact(unaltered, other[row, action], hulls)
+    acted_well = ~began_to_port & (_ahead(own, other) >= hulls + 2 * passing)
     return found | {"kept": _kept(found, acted_well, never, contact)}
 
 
@@ -145,9 +170,9 @@ def _kept(
 
     Args:
         found: of the pairs.
-        acted_well: whether it did not begin to port, and the other passed to port or far off.
+        acted_well: whether it did not begin to port, nor cross ahead of the other but far off.
         never: whether the vessel never acted.
-        contact: how long before contact it did (s), inf where there would have been none.
+        contact: how long before contact it did (s), as it sailed until then; inf for none.
     """
     kind, gives = found["kind"], found["gives_way"]
     clear = found["least_distance"] > 0
@@ -157,6 +182,17 @@ def _kept(
     stands = clear & (never | (contact <= LAST_MOMENT))
     role = np.where(kind == OVERTAKING, overtakes, yields)
     return np.where(kind == NONE, True, np.where(gives, role, stands))
+
+
+def _ahead(own: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Least distance at which the first crosses ahead of the other (m); inf if it does not."""
+    place = own[..., :2] - other[..., :2]
+    cos, sin = np.cos(other[..., 2]), np.sin(other[..., 2])
+    along = cos * place[..., 0] + sin * place[..., 1]
+    port = cos * place[..., 1] - sin * place[..., 0] > 0
+    crosses = (port[:, 1:] != port[:, :-1]) & (along[:, 1:] > 0) & (other[:, 1:, 3] > 0)
+    least: np.ndarray = np.where(crosses, along[:, 1:], np.inf).min(axis=1)
+    return least
 
 
 def _seen(track: np.ndarray) -> np.ndarray:

@@ -32,18 +32,20 @@ from usvjax.missions.fleet.inputs import Voyage, pack
 from usvjax.missions.fleet.params import FleetParams, FleetStatic, check_params
 from usvjax.missions.fleet.run import FleetResult, sail
 from usvjax.missions.fleet.scenes import EncounterTable, FleetScenes, SwapTable
+from usvjax.missions.fleet.situations import ImazuTable
 from usvjax.sections import Table
 from usvjax.tables import read_table
 from usvkernels.status import FLEET_ENDINGS, Status
 
 _SOURCES = {
     "encounters": EncounterTable,
+    "imazu": ImazuTable,
     "swap": SwapTable,
     "crowd": CrowdTable,
     "grid": ChartTable,
 }
 
-Source = EncounterTable | SwapTable | CrowdTable | ChartSource
+Source = EncounterTable | ImazuTable | SwapTable | CrowdTable | ChartSource
 """What draws the scenes of a condition."""
 
 VESSELS_AT_ONCE = 8192
@@ -200,7 +202,9 @@ MISSION = FleetMission()
 
 
 def opened(
-    table: EncounterTable | SwapTable | CrowdTable | ChartTable, folder: Path, where: str
+    table: EncounterTable | ImazuTable | SwapTable | CrowdTable | ChartTable,
+    folder: Path,
+    where: str,
 ) -> Opened[Source]:
     """What a `[scenes]` table asks for, with its map read; see `usvjax.maps.tables.read_maps`."""
     if isinstance(table, ChartTable):

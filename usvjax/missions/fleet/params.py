@@ -7,8 +7,17 @@ from typing import Any
 import jax
 import numpy as np
 
-from usvjax.checks import any_array, one_of, shown, whole_number
+from usvjax.checks import (
+    LEAST_SINGLE,
+    MOST_SINGLE,
+    any_array,
+    one_of,
+    positive,
+    shown,
+    whole_number,
+)
 from usvjax.errors import BadInputError, BadTypeError
+from usvjax.maps.sensed import MOST_REMOTE
 from usvjax.units import KNOT, NAUTICAL_MILE
 from usvkernels.dwa.params import Objective, Sampling, Vessel
 from usvkernels.fleet import wei2023
@@ -44,6 +53,8 @@ class FleetParams:
         obstacle_radius: of the circles about obstacles (m), in a scene of circles. Half of
             Table 2's likewise.
         goal_tolerance: distance from the goal at which it is reached (m). Not printed.
+        heading_tolerance: to either side of the heading to arrive on (rad); who comes to its goal
+            on another goes around, back to its way point. pi: any will do. Not printed.
         passing: wanted between hulls that pass each other (m). Not printed.
         sight_time: how long before the closest point a vessel acts (s). Not printed.
         act_time: how long before contact a vessel that stands on acts as well (s). Not printed.
@@ -70,6 +81,7 @@ class FleetParams:
     leeway: Scalar = 0.0
     obstacle_radius: Scalar = 0.125 * NAUTICAL_MILE
     goal_tolerance: Scalar = 0.05 * NAUTICAL_MILE
+    heading_tolerance: Scalar = 5 * DEGREE
     passing: Scalar = 0.05 * NAUTICAL_MILE
     sight_time: Scalar = 300.0
     act_time: Scalar = 60.0
@@ -115,6 +127,14 @@ class FleetStatic:
     equal: str = "first"
     ring: str = "all_yield"
 
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if isinstance(value := getattr(self, field.name), np.number):
+                object.__setattr__(self, field.name, value.item())  # NumPy's overflow in products
+
+
+MOST_SPEED = 1e4
+"""Of vessels, circles, currents and wind (m/s): what single precision follows for an episode."""
 
 STRATEGIES = ("rules", "wei2023", "orca", "none")
 
@@ -155,6 +175,7 @@ def split(
         hull_radius=p.hull_radius,
         obstacle_radius=p.obstacle_radius,
         goal_tolerance=p.goal_tolerance,
+        heading_tolerance=p.heading_tolerance,
         stuck_distance=p.stuck_distance,
         stuck_time=p.stuck_time,
         livelock_time=p.livelock_time,
@@ -185,17 +206,25 @@ def strides(params: FleetParams, static: FleetStatic) -> int:
 _CHOICES = {"model": tuple(MODELS), "equal": tuple(wei2023.EQUAL), "ring": tuple(wei2023.RING)}
 _NOT_NEGATIVE = ("passing", "stuck_distance", "hull_radius", "leeway", "obstacle_radius")
 _ANY = ("heading_weight", "clearance_weight", "velocity_weight")
+_AT_MOST = {"v_max": MOST_SPEED, "hull_radius": MOST_REMOTE, "obstacle_radius": MOST_REMOTE}
 _MOST = {"n_v": 1000, "n_w": 1000, "horizon": 100, "max_steps": 10_000_000}
 _LENGTHS = ("unit_length", "look_ahead", "guide_length")
+# Of a decision: with more, a program takes minutes to compile and a step of it seconds.
+_MOST_COMMANDS = 20_000
+# Points of a route in a step, each of which is compiled, and in a look-ahead.
+_MOST_STRIDES, _MOST_AHEAD = 16, 1024
 
 
-def check_params(params: FleetParams, static: FleetStatic, shape: tuple[int, int]) -> None:
+def check_params(params: FleetParams, static: FleetStatic, shape: tuple[int, int]) -> FleetParams:
     """Refuse parameters that make no sense, before anything is compiled.
 
     Args:
         params: leaves one number, or float[B or 1, n].
         static: choices of method.
         shape: (B, n).
+
+    Returns:
+        The same in double precision.
 
     Raises:
         BadTypeError: a leaf that is not a number, or of the wrong class.
@@ -205,21 +234,17 @@ def check_params(params: FleetParams, static: FleetStatic, shape: tuple[int, int
         raise BadTypeError(f"params: got {type(params).__name__}; wanted FleetParams")
     if not isinstance(static, FleetStatic):
         raise BadTypeError(f"static: got {type(static).__name__}; wanted FleetStatic")
-    for field in fields(params):
-        value = _leaf(field.name, getattr(params, field.name), shape)
-        if field.name in _ANY:
-            continue
-        fine = value >= 0 if field.name in _NOT_NEGATIVE else value > 0
-        if not fine.all():
-            wanted = "0 or more" if field.name in _NOT_NEGATIVE else "more than 0"
-            got = f"{value[~fine].flat[0]:g}" if value.ndim else f"{value:g}"
-            raise BadInputError(f"params.{field.name}: got {got}; wanted {wanted}")
+    leaves = {f.name: _leaf(f.name, getattr(params, f.name), shape) for f in fields(params)}
+    params = FleetParams(**leaves)
     _check_static(static)
     _check_window(params, static)
+    _check_route(params, static)
     _check_model(params, static)
+    return params
 
 
-def _leaf(name: str, value: Any, shape: tuple[int, int]) -> np.ndarray:
+def _leaf(name: str, value: Any, shape: tuple[int, int]) -> Any:
+    """A parameter in double precision: a number, or float64[B or 1, n]."""
     array = any_array(f"params.{name}", value, "numbers")
     if array.dtype.kind not in "iuf":
         raise BadTypeError(f"params.{name}: got {shown(value)}; wanted a number")
@@ -227,9 +252,21 @@ def _leaf(name: str, value: Any, shape: tuple[int, int]) -> np.ndarray:
         raise BadInputError(
             f"params.{name}: got shape {array.shape}; wanted one number, {shape} or {(1, shape[1])}"
         )
-    if not np.isfinite(array).all():
-        raise BadInputError(f"params.{name}: got {shown(value)}; wanted finite numbers")
-    return array.astype(np.float64)
+    array = array.astype(np.float64)
+    _demand(name, array, np.isfinite(array), "a finite number")
+    _demand(name, array, np.abs(array) <= MOST_SINGLE, "a number that single precision holds")
+    if name in _NOT_NEGATIVE:
+        _demand(name, array, array >= 0, "0 or more")
+    elif name not in _ANY:
+        _demand(name, array, array >= LEAST_SINGLE, "more than 0 in single precision")
+    if name in _AT_MOST:
+        _demand(name, array, array <= _AT_MOST[name], f"at most {_AT_MOST[name]:g}")
+    return array if array.ndim else float(array)
+
+
+def _demand(name: str, value: np.ndarray, holds: np.ndarray, wanted: str) -> None:
+    if not np.all(holds):
+        raise BadInputError(f"params.{name}: got {value[~holds].flat[0]:g}; wanted {wanted}")
 
 
 def _check_static(static: FleetStatic) -> None:
@@ -240,10 +277,31 @@ def _check_static(static: FleetStatic) -> None:
             raise BadInputError(
                 f"static.{name}: got {getattr(static, name)}; wanted at most {most:,}"
             )
+    if static.n_v * static.n_w > _MOST_COMMANDS:
+        raise BadInputError(
+            f"static: {static.n_v} x {static.n_w} candidates; wanted at most {_MOST_COMMANDS:,}"
+        )
     for name in _LENGTHS + (("cell_size",) if static.cell_size is not None else ()):
-        if not 0 < float(getattr(static, name)) < np.inf:
-            got = shown(getattr(static, name))
-            raise BadInputError(f"static.{name}: got {got}; wanted a length above 0 m")
+        length = positive(f"static.{name}", getattr(static, name))
+        if length > MOST_REMOTE:
+            raise BadInputError(
+                f"static.{name}: got {length:g} m; wanted at most {MOST_REMOTE:g} m"
+            )
+
+
+def _check_route(params: FleetParams, static: FleetStatic) -> None:
+    """Bound what goes through a route's points one by one."""
+    passed = strides(params, static)
+    if passed > _MOST_STRIDES:
+        raise BadInputError(
+            f"static.unit_length: got {static.unit_length:g} m, of which a vessel sails about "
+            f"{passed:.3g} in a control period; wanted at most {_MOST_STRIDES}"
+        )
+    if static.look_ahead > _MOST_AHEAD * static.unit_length:
+        raise BadInputError(
+            f"static.look_ahead: got {static.look_ahead:g} m, of {static.unit_length:g} m from "
+            f"point to point; wanted at most {_MOST_AHEAD:,} points"
+        )
 
 
 def _check_window(params: FleetParams, static: FleetStatic) -> None:
@@ -252,17 +310,18 @@ def _check_window(params: FleetParams, static: FleetStatic) -> None:
     if turn > np.pi:
         raise BadInputError(
             f"static.horizon: in {static.horizon} control periods a vessel turns by "
-            f"{np.degrees(turn):.0f} deg; wanted at most 180"
+            f"{np.degrees(turn):.4g} deg; wanted at most 180"
         )
     for name, count, gain, span, step in (
         ("n_v", static.n_v, np.add(params.v_acc, params.v_dec), params.v_max, params.v_step),
         ("n_w", static.n_w, 2 * np.asarray(params.w_acc), 2 * w_max, params.w_step),
     ):
         held = np.minimum(gain * dt, span) / np.asarray(step)
-        needed = int(np.floor(np.max(held) + 1e-3)) + 1
+        needed = np.floor(np.max(held) + 1e-3) + 1
         if count < needed:
             raise BadInputError(
-                f"static.{name}: {count} candidates; the window of these parameters holds {needed}"
+                f"static.{name}: {count} candidates; the window of these parameters holds "
+                f"{needed:.9g}"
             )
 
 

@@ -7,18 +7,23 @@ from typing import Any
 import numpy as np
 
 from usvjax.checks import any_array, float_array
-from usvjax.errors import BadInputError, BadTypeError
+from usvjax.errors import BadInputError, saying_where
 from usvjax.maps import GridMap
+from usvjax.maps.grid_map import check_size
 from usvjax.maps.sensed import charted, padded
 from usvjax.missions.fleet.chart import Chart
 from usvjax.missions.fleet.ground import Circles, Ground
-from usvjax.missions.fleet.params import FleetParams, FleetStatic
+from usvjax.missions.fleet.params import MOST_SPEED, FleetParams, FleetStatic
+from usvjax.paths.inputs import scale
 from usvkernels import grids
 from usvkernels.dwa.charted import Charted
 from usvkernels.dwa.clearance import FAR
 
 MOST_SHORE = 4096
 """Blocked cells on the shoreline of a map of one's own, for each fleet."""
+
+CELL_BYTES, OWN_BYTES = 32, 12
+"""Of memory that a cell takes while its distance to shore is measured, and while it is kept."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,8 @@ def _among_circles(
 ) -> Place:
     shared = array.ndim == 2
     centres = float_array("scene", array, (None, 2) if shared else (fleets, None, 2))
-    centres = centres[None] if shared else centres
+    # What is farther than FAR is as far.
+    centres = np.clip(centres[None] if shared else centres, -FAR, FAR)
     reach = hull + np.asarray(params.obstacle_radius, np.float64)
     cell = static.cell_size or min(static.unit_length, float(np.min(reach)) / 4)
     if not cell > 0:
@@ -118,13 +124,15 @@ def _among_circles(
 def _velocities(velocities: Any, fleets: int, count: int) -> np.ndarray:
     """Float64[B or 1, K, 2] (m/s)."""
     array = any_array("velocities", velocities, f"float[{count}, 2]")
-    if array.ndim == 2:
-        return float_array("velocities", velocities, (count, 2))[None]
-    rows = 1 if len(array) == 1 else fleets
-    return float_array("velocities", velocities, (rows, count, 2))
+    each = (1 if array.shape[:1] == (1,) else fleets,) if array.ndim == 3 else ()
+    moves = float_array("velocities", array, (*each, count, 2), MOST_SPEED)
+    return moves.reshape(-1, count, 2)
 
 
 def _on_map(grid: GridMap, hull: np.ndarray, params: FleetParams, static: FleetStatic) -> Place:
+    with saying_where("scene"):
+        scale(grid.cell_size, grid.origin)
+    check_size(*grid.shape, "scene: a map", each=CELL_BYTES)
     covers = grid.cell_size * sqrt(0.5)
     reach = hull + covers
     across = grid.cell_size * hypot(*grid.shape)
@@ -134,8 +142,12 @@ def _on_map(grid: GridMap, hull: np.ndarray, params: FleetParams, static: FleetS
 
 
 def _on_own_maps(array: np.ndarray, fleets: int, hull: np.ndarray) -> Place:
-    if array.ndim != 3 or len(array) not in (1, fleets):
-        raise BadTypeError(f"scene: got bool{list(array.shape)}; wanted [H, W] or [{fleets}, H, W]")
+    if array.ndim != 3 or len(array) not in (1, fleets) or not array.size:
+        raise BadInputError(
+            f"scene: got bool{list(array.shape)}; wanted [H, W] or [{fleets}, H, W]"
+        )
+    maps, height, width = array.shape
+    check_size(height, width, "scene: a map", each=CELL_BYTES + maps * OWN_BYTES)
     cells: Any = array
     shore = np.asarray(grids.shoreline(cells))
     most = int(shore.sum(axis=(1, 2)).max())

@@ -1,11 +1,14 @@
 """Routes of a fleet: searched, pulled straight, led in on a heading, laid at the unit length."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from usvjax.batches import bucket, filled
+from usvjax.errors import BadInputError
+from usvjax.memory import check_memory
 from usvjax.missions.fleet.ground import Ground
 from usvjax.missions.fleet.params import FleetStatic
 from usvjax.paths.smoothing import redensify
@@ -14,6 +17,12 @@ from usvkernels.status import Status
 
 SHORTER = (1.0, 0.75, 0.5)
 """Shares of the guide length that are tried, one after the other."""
+
+LEAST_POINTS, MOST_POINTS = 64, 1 << 16
+"""Places for points on a route, and points."""
+
+BYTES = 128
+"""Of memory that a point takes while routes are laid."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +47,7 @@ def lay(
     heading: np.ndarray | None,
     reach: np.ndarray,
     static: FleetStatic,
+    via: np.ndarray | None = None,
 ) -> Plan:
     """Lay the routes of B fleets of n vessels.
 
@@ -47,6 +57,8 @@ def lay(
         heading: float64[B, n] (rad), to arrive at; None for any.
         reach: float64[B, n], distance to keep from what the ground has (m).
         static: unit length, look-ahead, guide length.
+        via: float64[W, B, n, S, 2], for each vessel W ways round something, S points each (m), of
+            which the first is taken that is open; None: nothing but the shortest way.
     """
     fleets, n = start.shape[:2]
     rows = np.repeat(np.arange(fleets), n)
@@ -56,7 +68,7 @@ def lay(
     if heading is not None:
         target, led = _way_points(ground, rows, goal, heading.reshape(-1), reach, static)
         status[~led] = int(Status.NO_APPROACH)
-    corners, counts, found = ground.path(rows, start, target, reach)
+    corners, counts, found = _ways(ground, rows, start, target, reach, via)
     status[~found & (status == int(Status.RUNNING))] = int(Status.UNREACHABLE)
     sound = status == int(Status.RUNNING)
     corners, counts = _ended(corners, counts, start, goal, heading is not None, sound)
@@ -64,9 +76,10 @@ def lay(
     if heading is not None:
         corners, beyond = _extended(corners, counts, goal, heading.reshape(-1), static, sound)
         counts = counts + sound.astype(np.int32)
+    _check_points(corners, static.unit_length)
     dense = redensify(corners, counts, static.unit_length)
     # Few sizes, since each is compiled.
-    points = filled(dense.path, bucket(dense.path.shape[1]), axis=1)
+    points = filled(dense.path, bucket(max(dense.path.shape[1], LEAST_POINTS)), axis=1)
     end, along = dense.path_cells - 1, _along(points)
     last = np.minimum(np.sum(along < (along[:, -1] - beyond)[:, None] - 1e-3, axis=1), end)
     length = along[:, -1] - beyond
@@ -77,12 +90,23 @@ def lay(
         "ahead": ahead.reshape(*shape, -1),
         "last": last.astype(np.int32).reshape(shape),
         "gate": _gates(along, length, target, goal, last).reshape(shape),
+        "bow": _bows(heading, len(rows)).reshape(*shape, 2),
     }
     return Plan(
         routes=Routes(**tables),
         status=status.reshape(shape),
         length=length.reshape(shape),
     )
+
+
+def _check_points(corners: np.ndarray, unit: float) -> None:
+    """Refuse routes, float64[R, P, 2] (m), of too many points at the unit length."""
+    longest = np.linalg.norm(np.diff(corners, axis=1), axis=2).sum(axis=1).max()
+    points = longest / unit + corners.shape[1]
+    what = f"static.unit_length: got {unit:g} m, for a route of {longest:g} m"
+    if points > MOST_POINTS:
+        raise BadInputError(f"{what}; wanted at most {MOST_POINTS:,} points on it")
+    check_memory(len(corners) * bucket(int(points)) * BYTES, f"{what}, and {len(corners):,} routes")
 
 
 def _way_points(
@@ -103,6 +127,53 @@ def _way_points(
         way[clear] = from_here[clear]
         led |= clear
     return way, led
+
+
+def _ways(
+    ground: Ground,
+    rows: np.ndarray,
+    start: np.ndarray,
+    end: np.ndarray,
+    reach: np.ndarray,
+    via: np.ndarray | None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As `Ground.path`, by the first of the ways via that is open, else straight."""
+    ways = [] if via is None else list(via.reshape(len(via), len(rows), -1, 2))
+    left, found = np.arange(len(rows)), np.zeros(len(rows), bool)
+    corners, counts = np.stack([start, end], axis=1), np.full(len(rows), 2, np.int32)
+    for stops in [*ways, np.empty((len(rows), 0, 2))]:
+        points = np.concatenate([start[:, None], stops, end[:, None]], axis=1)[left]
+        own, count, open_ = _by_way_of(ground, rows[left], points, reach[left])
+        size = max(corners.shape[1], own.shape[1])
+        corners = filled(corners, size, axis=1)
+        corners[left], counts[left] = filled(own, size, axis=1), count
+        found[left] = open_
+        left = left[~open_]
+        if not len(left):
+            break
+    return corners, counts, found
+
+
+def _by_way_of(
+    ground: Ground, rows: np.ndarray, stops: np.ndarray, reach: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As `Ground.path`, from the first of stops float64[R, S, 2] by way of the others."""
+    found, legs, kept = np.ones(len(rows), bool), [], []
+    for start, end in pairwise(np.moveaxis(stops, 1, 0)):
+        corners, count, there = ground.path(rows, start, end, reach)
+        # A leg's end is where the next begins; one without length has none.
+        moves = np.any(start != end, axis=1)
+        kept.append(np.arange(corners.shape[1]) < np.where(moves, count - 1, 0)[:, None])
+        legs.append(corners)
+        found &= there
+    points = np.concatenate([*legs, stops[:, -1:]], axis=1)
+    keep = np.concatenate([*kept, np.ones((len(rows), 1), bool)], axis=1)
+    count = keep.sum(axis=1).astype(np.int32)
+    # Those kept come first, and the last again for the others.
+    order = np.argsort(~keep, axis=1, kind="stable")[:, : max(2, int(count.max()))]
+    points = np.take_along_axis(points, order[..., None], axis=1)
+    ended = np.arange(order.shape[1]) >= (count - 1)[:, None]
+    return np.where(ended[..., None], stops[:, -1:], points), np.maximum(count, 2), found
 
 
 def _ended(
@@ -153,6 +224,14 @@ def _gates(
     led = np.linalg.norm(goal - target, axis=1)
     gate = np.sum(along < (length - led)[:, None] - 1e-3, axis=1)
     return np.where(led > 0, np.minimum(gate, last), 0).astype(np.int32)
+
+
+def _bows(heading: np.ndarray | None, rows: int) -> np.ndarray:
+    """Unit vectors of headings, float32[R, 2]; 0 where any heading will do."""
+    if heading is None:
+        return np.zeros((rows, 2), np.float32)
+    heading = heading.reshape(-1)
+    return np.stack([np.cos(heading), np.sin(heading)], axis=1).astype(np.float32)
 
 
 def _along(points: np.ndarray) -> np.ndarray:

@@ -29,6 +29,7 @@ MOST_ROWS = 8192  # episodes per call of a device; memory does not grow past it
 JOBS_PER_LANE = 4
 CHUNK = 8  # steps between two refills
 RECORDED = 128  # steps between two looks whether all recorded episodes have ended
+_LANE_BYTES = 64  # of a candidate, in a decision
 OPTIONS = COMPILER_OPTIONS | ONE_THREAD
 
 _programs = Programs()
@@ -113,11 +114,13 @@ def navigate(
     enclosing `jax.default_device`; a fleet's result does not depend on the others.
 
     Args:
-        scene: None for open water; circles float[K, 2] or float[B, K, 2], centres (m); or a map
-            whose blocked cells count as circles about their centres that cover them: a `GridMap`,
-            or bool[H, W] or bool[B, H, W] with cells of 1 m.
+        scene: None for open water; circles float[K, 2] or float[B, K, 2], centres (m), those
+            farther than 500 km being padding; or a map whose blocked cells count as circles about
+            their centres that cover them: a `GridMap`, or bool[H, W] or bool[B, H, W] with cells
+            of 1 m.
         starts: float[B, n, 3], x (m), y (m), psi (rad).
-        goals: float[B, n, 2] (m).
+        goals: float[B, n, 2] (m). Starts and goals lie within 200 km of the origin, or of the
+            corner of a `GridMap` (single precision).
         headings: float[B, n] (rad), on which vessels are to arrive; by way of a point at the guide
             length before the goal, or a half of it at least. None: any.
         valid: bool[B, n], False for a place in the fleet that nobody takes. None: all are taken.
@@ -173,6 +176,10 @@ def sail(voyage: Voyage, static: FleetStatic, encounters: str, record: bool = Fa
     blocks = deal_longest_first(voyage.expected_time(), rows, len(devices))
     capacity = bucket(max(LEAST_LANES, len(blocks[0])))
     width = min(bucket(most), max(LEAST_LANES, capacity // JOBS_PER_LANE))
+    check_memory(
+        _LANE_BYTES * static.n_v * static.n_w * width * n * len(devices),
+        f"static: {static.n_v} x {static.n_w} candidates of {width} fleets of {n} at once",
+    )
     settings = split(voyage.params, static, encounters, voyage.environment)
     leaves, tree = jax.tree.flatten(settings)
     program = (record, tree, tuple(map(np.shape, leaves)), voyage.shape, capacity, width)
