@@ -1,4 +1,4 @@
-"""Wei & Zhang 2023: Figs. 5 and 7 to 18, then the same on thousands of scenes.
+"""Wei & Zhang 2023: Figs. 5 and 7 to 21, then the same on thousands of scenes.
 
 Run it with `usvjax reproduce wei2023` or `python -m experiments.wei2023`; `--help` lists the
 options.
@@ -10,6 +10,7 @@ from typing import Annotated
 import tyro
 
 from experiments.paper import Absent, Options, Paper, Part, run_as_program
+from experiments.wei2023.aggregation import PART as AGGREGATION
 from experiments.wei2023.claims import claims
 from experiments.wei2023.compare import measure
 from experiments.wei2023.encounters import PART as ENCOUNTERS
@@ -21,7 +22,7 @@ from experiments.wei2023.runs import runs
 
 @dataclass(frozen=True)
 class Sizes(Options):
-    """Regenerate Figs. 5 and 7 to 18 of Wei & Zhang 2023, and do so on many scenes.
+    """Regenerate Figs. 5 and 7 to 21 of Wei & Zhang 2023, and do so on many scenes.
 
     Attributes:
         scenes: Of each kind, on which paths are smoothed; 1,000, or 60 with --quick.
@@ -30,13 +31,11 @@ class Sizes(Options):
     scenes: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
 
 
-FLEETS = "comes with fleets and aggregation"
-
 PAPER = Paper(
     name="wei2023",
     cite="Wei & Zhang 2023",
-    title="key points of the global path, the heading at the goal, and encounters",
-    about="The paper's Figs. 5 and 7 to 18 on scenes of ours, and on many more.",
+    title="key points of the global path, the heading at the goal, encounters, and aggregation",
+    about="The paper's Figs. 5 and 7 to 21 on scenes of ours, and on many more.",
     options=Sizes,
     parts=[
         Part(
@@ -52,12 +51,12 @@ PAPER = Paper(
         ),
         HEADINGS,
         ENCOUNTERS,
+        AGGREGATION,
     ],
     absent=[
         Absent("Figs. 1 to 4 and 6", "flow charts and sketches, with nothing to compare"),
         Absent("Tables 1 and 2", "parameters; those of the global path are in use here"),
-        Absent("Figs. 19 to 21", f"three vessels that gather in formation: {FLEETS}"),
-        Absent("Table 3", f"words on a method with velocity obstacles, without numbers: {FLEETS}"),
+        Absent("Table 3", "words on a method with velocity obstacles, without numbers"),
     ],
 )
 

@@ -134,6 +134,8 @@ def _sail(own: Voyages, guide: float, look_ahead: float) -> FleetResult:
         own.goals,
         headings=own.headings if guide else None,
         encounters="none",
+        # Who arrives has arrived, on whatever heading: going around is ours, not the paper's.
+        params=uj.FleetParams(heading_tolerance=np.pi),
         static=uj.FleetStatic(**sizes),
     )
 

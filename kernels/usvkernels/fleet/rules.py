@@ -10,7 +10,6 @@ A stand-on vessel keeps course and speed until contact is so near that the other
 act (Rule 17). Roles are of pairs, so a ring of three gives way all round, each to starboard.
 """
 
-from collections.abc import Iterator
 from math import cos, radians, sin
 from typing import NamedTuple
 
@@ -18,19 +17,17 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from usvkernels.dwa.clearance import Scalar
 from usvkernels.fleet.approach import contact_time, cross, dot, least_square
+from usvkernels.fleet.legs import Legs, beside, legs_of, pieces
 from usvkernels.fleet.params import Encounters
 from usvkernels.fleet.sight import (
     Obstacles,
     Orders,
     Vessels,
     between,
-    minus,
     nearest_square,
     of_looker,
     others,
-    over_ground,
     sums,
 )
 from usvkernels.vessel import Complex, complex_product
@@ -46,8 +43,11 @@ ABAFT_COSINE = cos(radians(112.5))
 """A vessel at a larger bearing is more than 22.5 degrees abaft the beam (Rule 13)."""
 
 RELEASE = 1.25
-"""A pair that would pass at this multiple of the distance wanted has no roles any more; of one that
-has arrived, near whom the other's goal may lie, at that distance itself."""
+"""A pair that would pass at this multiple of the distance wanted has no roles any more."""
+
+BESIDE_GOAL = 3.0
+"""Distances wanted from one's goal, within which others, or their goals, lie beside it: there they
+pass each other as close as they may."""
 
 AHEAD = 2.0
 """A vessel that gives way may cross ahead at this multiple of the distance wanted."""
@@ -90,14 +90,6 @@ VIOLATION, SLOWER, CHANGE, BESIDE = 30.0, 2.0, 0.1, 0.15
 route cost, in right angles of alteration."""
 
 
-class Legs(NamedTuple):
-    """How a vessel would sail if it were alone: to its guidance point, and on to its goal."""
-
-    first: Complex  # m/s
-    then: Complex  # m/s
-    turn: Array  # s, until it is at the guidance point
-
-
 class Seen(NamedTuple):
     """Vessels [n, lanes], and pairs [n, n, lanes] as i sees j."""
 
@@ -106,7 +98,7 @@ class Seen(NamedTuple):
     must: Array  # bool, whether i has to keep clear of j
     other: Array  # bool, whether there is such a pair
     wanted: Array  # m, distance between centres
-    released: Array  # m, that at which the pair has no roles any more
+    held: Array  # m, that at which who has altered may go on
 
 
 def meet(
@@ -133,107 +125,70 @@ def meet(
         Orders, roles and alterations from now on.
     """
     seen = _look(how, vessels, roles)
-    beside = _beside(vessels)
+    onward = beside(vessels)
     waits = (idle > PATIENCE) | (altered >= FIRST_OTHERWISE)
-    altered = _choose(how, vessels, seen, beside, circles, reach, altered, waits)
-    course, share = _rotated(vessels.course, beside, altered)
+    altered = _choose(how, vessels, seen, onward, circles, reach, altered, waits)
+    course, share = _rotated(vessels.course, onward, altered)
     stands_on = (seen.role == STAND_ON) | (seen.role == OVERTAKEN)
     keep = seen.other & (seen.must | ~stands_on)
     still = jnp.zeros_like(vessels.present)
-    hulls = sums(vessels.hull)
-    apart = hulls + SPARE * (seen.wanted - hulls)
+    apart = _apart(vessels, seen.wanted)
     return Orders(course, share * vessels.speed, keep, still, apart), seen.role, altered
+
+
+def _apart(vessels: Vessels, wanted: Array) -> Array:
+    """Distance between centres that the dynamic window keeps in any case (m)."""
+    hulls = sums(vessels.hull)
+    return hulls + SPARE * (wanted - hulls)
 
 
 def _look(how: Encounters, vessels: Vessels, roles: Array) -> Seen:
     """Roles, and whom each vessel has to keep clear of."""
     other = others(vessels.present)
     place = between(vessels.place)
-    legs = _legs(vessels)
-    wanted = _wanted(how, vessels, place)
+    legs = legs_of(vessels)
+    wanted = _wanted(how, vessels)
     # Who has arrived stays there; what others do beyond their goals is not foreseen.
-    arrival = jnp.where(vessels.under_way, vessels.arrival, jnp.inf)
-    until = jnp.minimum(arrival[:, None], arrival)
-    until = jnp.minimum(of_looker(how.sight_time), until)
-    own: Legs = jax.tree.map(lambda leaf: leaf[:, None], legs)
-    theirs: Legs = jax.tree.map(lambda leaf: leaf[None], legs)
+    theirs = jnp.where(_in_the_way(vessels, wanted), jnp.inf, vessels.arrival)
+    until = jnp.minimum(of_looker(how.sight_time), jnp.minimum(vessels.arrival[:, None], theirs))
+    each: Legs = jax.tree.map(lambda leaf: leaf[:, None], legs)
+    other_legs: Legs = jax.tree.map(lambda leaf: leaf[None], legs)
     least = jnp.full_like(wanted, jnp.inf)
-    for off, closing, lasts in _pieces(place, own, theirs, until):
+    for off, closing, lasts in pieces(place, each, other_legs, until):
         nears = (dot(off, closing) < 0.0) & (lasts > 0.0)
         least = jnp.where(nears, jnp.minimum(least, least_square(off, closing, lasts)), least)
     under_way = vessels.under_way[:, None] | vessels.under_way
     risk = other & under_way & (least < wanted * wanted)
-    released = jnp.where(vessels.under_way[None], RELEASE * wanted, wanted)
-    stays = other & (least < released * released)
+    stays = other & (least < (RELEASE * wanted) * (RELEASE * wanted))
     new = jnp.where(risk, _roles(vessels, place), NONE)
     roles = jnp.where(roles == NONE, new, jnp.where(stays, roles, NONE))
     actual = between(vessels.velocity)
     contact = contact_time(place, actual, sums(vessels.hull))
     gives = (roles == HEAD_ON) | (roles == GIVE_WAY) | (roles == OVERTAKING)
-    near = dot(place, place) < wanted * wanted
+    near = dot(place, place) < jnp.square(_apart(vessels, wanted))
     must = other & (gives | near | (contact < of_looker(how.act_time)))
-    return Seen(legs, roles, must, other, wanted, released)
+    apart = _from(vessels.goal, vessels.goal) > BESIDE_GOAL * wanted
+    held = jnp.where(vessels.under_way[None] & apart, RELEASE * wanted, wanted)
+    return Seen(legs, roles, must, other, wanted, held)
 
 
-def _legs(vessels: Vessels) -> Legs:
-    speed = jnp.where(vessels.under_way, vessels.speed, 0.0)
-    first = over_ground(vessels, (vessels.course[0] * speed, vessels.course[1] * speed))
-    east, north = _unit(minus(vessels.goal, vessels.guide), (0.0, 0.0))
-    made_good = jnp.where(vessels.under_way, vessels.made_good, 0.0)
-    to_guide = minus(vessels.guide, vessels.place)
-    turn = jnp.sqrt(dot(to_guide, to_guide)) / jnp.maximum(made_good, 1e-3)
-    return Legs(first, (made_good * east, made_good * north), turn)
-
-
-def _unit(vector: Complex, otherwise: tuple[Scalar, Scalar]) -> Complex:
-    length = jnp.sqrt(dot(vector, vector))
-    known = length > 0.0
-    over = jnp.where(known, length, 1.0)
-    east, north = otherwise
-    return jnp.where(known, vector[0] / over, east), jnp.where(known, vector[1] / over, north)
-
-
-def _beside(vessels: Vessels) -> Complex:
-    """The turn to starboard from the course to the guidance point to that on from it, unit.
-
-    None where that lies to port, or leads back, as from a point beyond the goal.
-    """
-    here = _unit(minus(vessels.guide, vessels.place), (1.0, 0.0))
-    onward = _unit(minus(vessels.goal, vessels.guide), here)
-    turn = dot(here, onward), cross(here, onward)
-    serves = (turn[0] > 0.0) & (turn[1] < 0.0)
-    return jnp.where(serves, turn[0], 1.0), jnp.where(serves, turn[1], 0.0)
-
-
-def _pieces(
-    place: Complex, own: Legs, theirs: Legs, until: Array
-) -> Iterator[tuple[Complex, Complex, Array]]:
-    """How two move that sail their legs, piece by piece.
-
-    Yields:
-        Place and velocity of the other relative to one's own (m, m/s), and how long (s).
-    """
-    sooner = own.turn < theirs.turn
-    mine, yours = minus(theirs.first, own.then), minus(theirs.then, own.first)
-    middle = jnp.where(sooner, mine[0], yours[0]), jnp.where(sooner, mine[1], yours[1])
-    moves = minus(theirs.first, own.first), middle, minus(theirs.then, own.then)
-    ends = jnp.minimum(own.turn, theirs.turn), jnp.maximum(own.turn, theirs.turn), until
-    begun = jnp.zeros_like(until)
-    for closing, end in zip(moves, ends, strict=True):
-        lasts = jnp.clip(end, begun, until) - begun
-        yield place, closing, lasts
-        place = place[0] + closing[0] * lasts, place[1] + closing[1] * lasts
-        begun = begun + lasts
-
-
-def _wanted(how: Encounters, vessels: Vessels, place: Complex) -> Array:
+def _wanted(how: Encounters, vessels: Vessels) -> Array:
     """Distance that i wants from j: at a vessel that has arrived, what i's own goal leaves."""
     hulls = sums(vessels.hull)
     wanted = hulls + of_looker(how.passing)
-    (goal_x, goal_y), (x, y) = vessels.goal, vessels.place
-    goal = goal_x[:, None] - x[None], goal_y[:, None] - y[None]
-    room = jnp.clip(0.9 * jnp.sqrt(dot(goal, goal)), hulls, wanted)
+    room = jnp.clip(0.9 * _from(vessels.goal, vessels.place), hulls, wanted)
     return jnp.where(vessels.under_way[None], wanted, room)
+
+
+def _in_the_way(vessels: Vessels, wanted: Array) -> Array:
+    """Whether j has arrived, and not beside the goal of i."""
+    return ~vessels.under_way[None] & (_from(vessels.goal, vessels.place) > BESIDE_GOAL * wanted)
+
+
+def _from(goal: Complex, other: Complex) -> Array:
+    """Distance of the other's point from one's goal, [n, n, lanes] (m)."""
+    east, north = (theirs[None] - own[:, None] for own, theirs in zip(goal, other, strict=True))
+    return jnp.sqrt(east * east + north * north)
 
 
 def _roles(vessels: Vessels, place: Complex) -> Array:
@@ -264,7 +219,7 @@ def _choose(
     how: Encounters,
     vessels: Vessels,
     seen: Seen,
-    beside: Complex,
+    onward: Complex,
     circles: Obstacles,
     reach: Array,
     altered: Array,
@@ -274,11 +229,11 @@ def _choose(
     until = jnp.minimum(vessels.arrival, how.sight_time)
     # In whole arrays, of which a single piece may take rows.
     drift = () if vessels.drift is None else vessels.drift
-    own = jnp.stack([*vessels.place, *vessels.course, vessels.speed, until, reach, *beside, *drift])
+    own = jnp.stack([*vessels.place, *vessels.course, vessels.speed, until, reach, *onward, *drift])
     legs = seen.legs
     theirs = jnp.stack([*vessels.place, *vessels.velocity, *legs.first, *legs.then, legs.turn])
     port = (seen.role == HEAD_ON) | (seen.role == GIVE_WAY)
-    pairs = _Pairs(theirs, seen.wanted, seen.released, seen.must, seen.other, port)
+    pairs = _Pairs(theirs, seen.wanted, seen.held, seen.must, seen.other, port)
     return single(_cheapest, _table(own.dtype), own, pairs, circles, how.act_time, altered, waits)
 
 
@@ -291,7 +246,7 @@ class _Pairs(NamedTuple):
 
     theirs: Array  # float[9, n, lanes], place, velocity and legs of each vessel
     wanted: Array  # m
-    released: Array  # m
+    held: Array  # m
     must: Array  # bool
     other: Array  # bool
     port: Array  # bool, whether j is to be passed to port
@@ -343,18 +298,18 @@ def _cheapest(
 def _on_routes(place: Complex, until: Array, pairs: _Pairs, acts: Array) -> Array:
     """By which share of the distance wanted the route passes too near whom a vessel keeps clear of.
 
-    Who acts already holds on until the pair has no roles any more, or it would act again soon. Of
-    others both what they do and what they would do alone counts; [n, lanes], 0 to 1.
+    Who acts already holds on until the route is clear by far, or it would act again soon. Of others
+    both what they do and what they would do alone counts; [n, lanes], 0 to 1.
     """
-    own = _legs_of(pairs.theirs)
+    own = _unpacked(pairs.theirs)
 
     def worst(j: Array, short: Array) -> Array:
         theirs = pairs.theirs[:, j]
         off, velocity = (theirs[0] - place[0], theirs[1] - place[1]), (theirs[2], theirs[3])
         keeps_on = Legs(velocity, velocity, jnp.full_like(theirs[0], jnp.inf))
-        wanted = jnp.where(acts, pairs.released[:, j], pairs.wanted[:, j])
-        for legs in (keeps_on, _legs_of(theirs)):
-            for at, closing, lasts in _pieces(off, own, legs, until):
+        wanted = jnp.where(acts, pairs.held[:, j], pairs.wanted[:, j])
+        for legs in (keeps_on, _unpacked(theirs)):
+            for at, closing, lasts in pieces(off, own, legs, until):
                 near = _short(at, closing, lasts, wanted, pairs.port[:, j])
                 short = jnp.maximum(short, jnp.where(pairs.must[:, j], near, 0.0))
         return short
@@ -362,7 +317,7 @@ def _on_routes(place: Complex, until: Array, pairs: _Pairs, acts: Array) -> Arra
     return jax.lax.fori_loop(0, pairs.wanted.shape[0], worst, jnp.zeros_like(place[0]))
 
 
-def _legs_of(theirs: Array) -> Legs:
+def _unpacked(theirs: Array) -> Legs:
     return Legs((theirs[4], theirs[5]), (theirs[6], theirs[7]), theirs[8])
 
 
@@ -396,9 +351,9 @@ def _aground(
     return jnp.maximum(1.0 - jnp.sqrt(least) / reach, 0.0)
 
 
-def _rotated(course: Complex, beside: Complex, altered: Array) -> tuple[Complex, Array]:
+def _rotated(course: Complex, onward: Complex, altered: Array) -> tuple[Complex, Array]:
     """The course after an alteration, and the share of the speed."""
     chosen = _table(course[0].dtype)[altered]
     parallel = altered == PARALLEL
-    turn_cos, turn_sin = (jnp.where(parallel, beside[k], chosen[..., k]) for k in (0, 1))
+    turn_cos, turn_sin = (jnp.where(parallel, onward[k], chosen[..., k]) for k in (0, 1))
     return complex_product(course, (turn_cos, turn_sin)), chosen[..., 2]

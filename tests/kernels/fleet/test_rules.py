@@ -152,7 +152,7 @@ def test_reciprocal_velocities_look_ahead_as_each_has_it():
 
 
 @pytest.mark.parametrize(
-    ("apart", "acts"), [(129.0, True), (131.0, False)], ids=["within what is wanted", "beyond"]
+    ("apart", "acts"), [(84.0, True), (86.0, False)], ids=["within what is kept", "beyond"]
 )
 def test_a_vessel_that_stands_on_sees_who_is_too_near(apart, acts):
     """Side by side on one course: the other closes not at all, but may turn any moment."""

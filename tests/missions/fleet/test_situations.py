@@ -7,6 +7,7 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
+from property_draws import FUZZ
 
 import usvjax as uj
 from usvjax.errors import BadInputError
@@ -62,6 +63,7 @@ def test_by_the_rules_no_two_of_them_collide():
     assert found.min_separation.min() > 0.5 * uj.FleetParams().passing
 
 
+@pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: a program of its own")
 def test_own_ship_keeps_clear_of_others_that_do_not_act():
     met = imazu()
     own, others = np.s_[:, :1], np.s_[:, 1:]
