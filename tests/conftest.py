@@ -5,6 +5,7 @@ import shutil
 import signal
 import tempfile
 
+import jax
 import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
@@ -32,6 +33,13 @@ def pytest_configure(config):
     os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
     os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.2"
     config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+
+
+@pytest.fixture(scope="module")
+def one_device():
+    """Each device compiles for itself: for tests of what does not depend on devices."""
+    with jax.default_device(jax.devices()[0]):
+        yield
 
 
 @pytest.fixture(autouse=True, scope="module")

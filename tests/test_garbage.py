@@ -13,6 +13,8 @@ from public_calls import calls
 import usvjax as uj
 from usvjax.errors import BadInputError, BadTypeError
 
+pytestmark = pytest.mark.usefixtures("one_device")
+
 FUNCTIONS = sorted(calls(None))
 
 FUZZ = "USVJAX_FUZZ" in os.environ

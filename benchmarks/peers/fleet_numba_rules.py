@@ -1,4 +1,7 @@
-"""What `fleet_numba` has vessels see of each other, and which course and speed they choose."""
+"""What `fleet_numba` has vessels see of each other, and which course and speed they choose.
+
+Rules as a user may write them: simpler than those of `usvkernels.fleet.rules`.
+"""
 
 from typing import Any, NamedTuple
 
@@ -20,7 +23,7 @@ RUNNING, REACHED, COLLIDED, STUCK, TIMED_OUT = (
 )
 NONE, HEAD_ON, GIVE_WAY, STAND_ON, OVERTAKING, OVERTAKEN = range(6)
 COS_HEAD_ON, COS_ABAFT = np.cos(np.radians(6.0)), np.cos(np.radians(112.5))
-RELEASE, AHEAD, ESCAPE, SLACK = 1.25, 2.0, 0.999, 1e-3
+RELEASE, AHEAD, ESCAPE, SLACK = 1.25, 2.0, 0.999999, 1e-3
 VIOLATION, SLOWER, CHANGE = 30.0, 2.0, 0.1
 DEGREES = np.array([0.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0])
 SHARES = np.array([1.0, 0.5, 0.0])

@@ -23,10 +23,13 @@ from usvkernels.status import Status
 SEED = 2023
 THREES, QUICK_THREES = 450, 18
 """Layouts of three, a third on each heading."""
-FLEETS, QUICK_FLEETS = 24, 3
+FLEETS = 24
 """Layouts of each larger fleet."""
 SIZES = (10, 16, 20)
 """Vessels, as Table 3 has for the method that it compares with."""
+LARGE = [(strategy, n) for strategy in ("rules", "orca") for n in SIZES]
+QUICK_LARGE = LARGE[:1]
+"""Larger fleets: strategy, and vessels."""
 PASSING = 0.05 * NAUTICAL_MILE
 """m, wanted between hulls."""
 SAFE = 0.95
@@ -63,29 +66,28 @@ OTHERS = {
     for strategy in ("rules", "orca", "none")
 }
 """What stands beside."""
-LARGE = ("rules", "orca")
-"""Strategies of the larger fleets."""
 
 
 def runs(options: Any) -> dict[str, Run]:
     """All fleets."""
     threes = QUICK_THREES if options.quick else THREES
-    fleets = QUICK_FLEETS if options.quick else FLEETS
-    work = threes * len(READINGS | OTHERS) + fleets * len(SIZES) * len(LARGE)
-    return {"gathered": Call(lambda advance: _gathered(threes, fleets, advance), work)}
+    large = QUICK_LARGE if options.quick else LARGE
+    work = threes * len(READINGS | OTHERS) + FLEETS * len(large)
+    return {"gathered": Call(lambda advance: _gathered(threes, large, advance), work)}
 
 
-def _gathered(threes: int, fleets: int, advance: Callable[[int], object]) -> dict[str, Any]:
+def _gathered(
+    threes: int, large: list[tuple[str, int]], advance: Callable[[int], object]
+) -> dict[str, Any]:
     """What became of every fleet: "threes" by reading, "fleets" by strategy and size."""
     found: dict[str, Any] = {"threes": {}, "fleets": {}}
     for words, reading in (READINGS | OTHERS).items():
         found["threes"][words] = _sail(reading, 3, threes)
         advance(threes)
-    for strategy in LARGE:
-        for n in SIZES:
-            reading = Reading(strategy, "hulls 0.125 nm", ROUND)
-            found["fleets"][f"{strategy}, {n}"] = _sail(reading, n, fleets)
-            advance(fleets)
+    for strategy, n in large:
+        reading = Reading(strategy, "hulls 0.125 nm", ROUND)
+        found["fleets"][f"{strategy}, {n}"] = _sail(reading, n, FLEETS)
+        advance(FLEETS)
     return found
 
 

@@ -25,6 +25,8 @@ from usvjax.errors import BadInputError
 from usvjax.mission import Files
 from usvkernels.status import Status
 
+pytestmark = pytest.mark.usefixtures("one_device")
+
 WATERS = Waters(islands=25)
 PAIRS = len(published.ENDS)
 CELL = WATERS.cell

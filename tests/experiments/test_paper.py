@@ -18,6 +18,8 @@ from usvjax.errors import BadInputError
 from usvjax.report import Section, Sheet
 from usvjax.statistics import Estimate
 
+pytestmark = pytest.mark.usefixtures("one_device")
+
 YES, NO, NEITHER = (Finding(holds, "n") for holds in (True, False, None))
 
 

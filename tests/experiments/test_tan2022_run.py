@@ -23,6 +23,8 @@ from usvjax.missions.dwa.scenes import LatticeTable
 from usvjax.report import markdown
 from usvkernels.status import Status
 
+pytestmark = pytest.mark.usefixtures("one_device")
+
 PART = PAPER.parts[0]
 MAPS = 60
 

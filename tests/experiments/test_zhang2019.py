@@ -32,6 +32,8 @@ from usvjax.mission import Files
 from usvjax.search.astar import astar
 from usvkernels.status import Status
 
+pytestmark = pytest.mark.usefixtures("one_device")
+
 # --- the searches -----------------------------------------------------------------------------
 
 

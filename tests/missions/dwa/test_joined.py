@@ -19,6 +19,8 @@ from usvjax.study.calls import Kindred
 from usvjax.study.shards import Unit
 from usvjax.study.units import run_unit, run_units
 
+pytestmark = pytest.mark.usefixtures("one_device")
+
 COARSE = {"v_step": 0.04, "w_step": 0.1}
 SHORT = {"horizon": 6, "max_steps": 200}
 
@@ -60,7 +62,8 @@ def test_rows_are_the_same_bits_in_any_company(alone, seed):
             assert table.equals(rows[unit], null_equal=True)
 
 
-@pytest.mark.parametrize("method", ["traditional", "improved"] if FUZZ else ["improved"])
+@pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: programs of its own")
+@pytest.mark.parametrize("method", ["traditional", "improved"])
 def test_one_value_per_episode_is_the_same_bits_as_one_for_all(method):
     rng = np.random.default_rng(1)
     ends: set[int] = set()

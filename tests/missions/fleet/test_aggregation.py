@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from property_draws import FUZZ
 
 import usvjax as uj
+from usvjax.missions.fleet.chart import Chart
 from usvjax.missions.fleet.formations import ASSIGNMENTS, FORMATIONS, assigned, placed, slots_of
 from usvjax.missions.fleet.measures import CROSSING, HEAD_ON, OVERTAKING
 from usvjax.missions.fleet.rounding import ways_round
+from usvjax.missions.fleet.routes import _ways
 from usvkernels.fleet.episodes import MOST_AROUND
 from usvkernels.status import Status
 
@@ -212,6 +214,22 @@ def test_ways_round_a_formation_cross_no_slot_and_no_lane_of_others(ahead, abeam
     for one, two in pairwise(np.concatenate([start[0], ways[0, 0, 0]]) @ frame):
         leg = one + np.linspace(0, 1, 60)[:, None] * (two - one)
         assert np.linalg.norm(leg[:, None] - slots[0], axis=-1).min() > room - 1e-6
+
+
+def test_a_way_round_that_leads_off_the_map_is_not_taken():
+    """The nearer side of the formation is ashore or off the map; the other is open."""
+    blocked = np.zeros((60, 60), bool)
+    blocked[:55, 36:42] = blocked[:30, 30:] = True
+    ground = Chart(blocked[None], 100.0)
+    start, goal = np.array([[3300.0, 5200.0]]), np.array([[2500.0, 1500.0]])
+    sides = [[[3900.0, 3000.0]], [[6600.0, 3000.0]], [[1500.0, 3000.0]]]
+    via = np.array(sides)[:, None, None]
+    corners, counts, found = _ways(ground, np.zeros(1, int), start, goal, np.array([60.0]), via)
+    assert found[0]
+    path = corners[0, : counts[0]]
+    assert np.linalg.norm(path - sides[2][0], axis=1).min() < 1e-9
+    cells = (path // 100.0).astype(int)
+    assert not blocked[cells[:, 1], cells[:, 0]].any()
 
 
 def test_who_comes_on_another_heading_goes_around_and_not_for_ever():

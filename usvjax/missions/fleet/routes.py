@@ -163,9 +163,14 @@ def _by_way_of(
         corners, count, there = ground.path(rows, start, end, reach)
         # A leg's end is where the next begins; one without length has none.
         moves = np.any(start != end, axis=1)
+        found &= there
+        # The ends need not be clear of what is only near; what lies between has to, and on the map.
+        between = np.flatnonzero(moves & np.any(end != stops[:, -1], axis=1))
+        if len(between):
+            point = end[between]
+            found[between] &= ground.clear(rows[between], point, point, reach[between])
         kept.append(np.arange(corners.shape[1]) < np.where(moves, count - 1, 0)[:, None])
         legs.append(corners)
-        found &= there
     points = np.concatenate([*legs, stops[:, -1:]], axis=1)
     keep = np.concatenate([*kept, np.ones((len(rows), 1), bool)], axis=1)
     count = keep.sum(axis=1).astype(np.int32)
