@@ -6,14 +6,13 @@ what to measure, and a `__main__.py` that hands a `Paper` to `main`.
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Annotated, Any, Literal, NamedTuple
 
-import jax
 import tyro
 from matplotlib.figure import Figure
 from rich.text import Text
@@ -104,6 +103,7 @@ class Part:
         figures: drawn.
         summary: the most important findings besides the verdicts, sentences.
         readings: how the paper was read: every choice that it does not print, sentences.
+        quick: whether a quick run has it; else it takes minutes to compile at any size.
     """
 
     name: str
@@ -115,6 +115,7 @@ class Part:
     figures: Callable[[Found, Numbers], Iterator[Drawing]]
     readings: Callable[[Numbers], Sequence[str]]
     summary: Callable[[Numbers], Sequence[str]] = _nothing
+    quick: bool = True
 
 
 @dataclass(frozen=True)
@@ -177,6 +178,8 @@ def main(paper: Paper, argv: Sequence[str] | None = None) -> int:
         with usage_in_one_line(prog):
             options = tyro.cli(paper.options, args=argv, prog=prog)
         check_dpi("--dpi", options.dpi)
+        if options.quick:
+            paper = _quick(paper)
         runs = [part.runs(options) for part in paper.parts]
         folder = output.results_folder(paper.name, options.out, options.record, _is_a_look(options))
     except (BadInputError, BadTypeError) as error:
@@ -200,6 +203,13 @@ def main(paper: Paper, argv: Sequence[str] | None = None) -> int:
     for file in written:
         show_line(f"Written  {file}")
     return 0
+
+
+def _quick(paper: Paper) -> Paper:
+    """The paper without what a quick run leaves out, which its page says."""
+    left_out = [Absent(part.title, "at full size only") for part in paper.parts if not part.quick]
+    kept = [part for part in paper.parts if part.quick]
+    return replace(paper, parts=kept, absent=[*paper.absent, *left_out])
 
 
 def _named(paper: Paper, runs: Sequence[Mapping[str, Run]]) -> dict[str, Run]:
@@ -229,8 +239,6 @@ def _computed(
             drawings.append((name, drawing.caption))
         done.append(Done(part, found, numbers, verdicts, drawings))
         took |= {f"{part.name}: {name}": time for name, time in seconds.items()}
-        # A process can hold only so many compiled programs.
-        jax.clear_caches()
     return done, took
 
 

@@ -299,4 +299,5 @@ PART = Part(
     sections=sections,
     figures=figures,
     readings=readings,
+    quick=False,
 )

@@ -17,4 +17,5 @@ PART = Part(
     figures=figures,
     readings=readings,
     summary=summary,
+    quick=False,
 )
