@@ -21,14 +21,13 @@ from usvjax.units import NAUTICAL_MILE
 from usvkernels.status import Status
 
 SEED = 2023
-THREES, QUICK_THREES = 450, 18
+THREES = 450
 """Layouts of three, a third on each heading."""
 FLEETS = 24
 """Layouts of each larger fleet."""
 SIZES = (10, 16, 20)
 """Vessels, as Table 3 has for the method that it compares with."""
 LARGE = [(strategy, n) for strategy in ("rules", "orca") for n in SIZES]
-QUICK_LARGE = LARGE[:1]
 """Larger fleets: strategy, and vessels."""
 PASSING = 0.05 * NAUTICAL_MILE
 """m, wanted between hulls."""
@@ -70,21 +69,16 @@ OTHERS = {
 
 def runs(options: Any) -> dict[str, Run]:
     """All fleets."""
-    threes = QUICK_THREES if options.quick else THREES
-    large = QUICK_LARGE if options.quick else LARGE
-    work = threes * len(READINGS | OTHERS) + FLEETS * len(large)
-    return {"gathered": Call(lambda advance: _gathered(threes, large, advance), work)}
+    return {"gathered": Call(_gathered, THREES * len(READINGS | OTHERS) + FLEETS * len(LARGE))}
 
 
-def _gathered(
-    threes: int, large: list[tuple[str, int]], advance: Callable[[int], object]
-) -> dict[str, Any]:
+def _gathered(advance: Callable[[int], object]) -> dict[str, Any]:
     """What became of every fleet: "threes" by reading, "fleets" by strategy and size."""
     found: dict[str, Any] = {"threes": {}, "fleets": {}}
     for words, reading in (READINGS | OTHERS).items():
-        found["threes"][words] = _sail(reading, 3, threes)
-        advance(threes)
-    for strategy, n in large:
+        found["threes"][words] = _sail(reading, 3, THREES)
+        advance(THREES)
+    for strategy, n in LARGE:
         reading = Reading(strategy, "hulls 0.125 nm", ROUND)
         found["fleets"][f"{strategy}, {n}"] = _sail(reading, n, FLEETS)
         advance(FLEETS)

@@ -3,7 +3,6 @@
 import json
 import math
 
-import jax
 import numpy as np
 import pytest
 from PIL import Image
@@ -15,11 +14,7 @@ from usvjax.missions.route.run import METHODS
 SIZE = 50.0
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 @pytest.fixture(autouse=True)

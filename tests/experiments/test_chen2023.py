@@ -6,7 +6,6 @@ from dataclasses import replace
 from math import cos, hypot, pi, radians, sin
 from pathlib import Path
 
-import jax
 import numpy as np
 import pytest
 from matplotlib.path import Path as Outline
@@ -148,12 +147,6 @@ def test_corners_are_where_a_path_turns():
     assert kept[0].tolist() == [[0, 0], [2, 0], [4, 2], [4, 3]]
     assert kept[1, :2].tolist() == [[0, 0], [1, 0]]
     assert kept[2, 0].tolist() == [5, 5]
-
-
-@pytest.fixture(scope="module")
-def one_device():
-    with jax.default_device(jax.local_devices()[0]):
-        yield
 
 
 @pytest.fixture(scope="module")

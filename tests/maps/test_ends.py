@@ -2,7 +2,6 @@
 
 import math
 
-import jax
 import numpy as np
 import pytest
 from route_ponds import pond
@@ -16,11 +15,7 @@ from usvjax.maps.ends import draw_ends, draw_pairs, end_groups, facing, fixed_en
 JOBS, MANY = np.arange(40), np.arange(3200)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 def pairs(seed, jobs, distance):

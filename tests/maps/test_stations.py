@@ -1,6 +1,5 @@
 """Stations of cruises."""
 
-import jax
 import numpy as np
 import pytest
 from scipy.stats import chisquare
@@ -14,11 +13,7 @@ OPEN = cells_where(np.ones((4, 5), bool))
 JOBS = np.arange(130)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 def draw(jobs, count=3, least=0.0, cells=OPEN, seed=4):

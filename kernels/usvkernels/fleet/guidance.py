@@ -79,11 +79,6 @@ def guide(routes: Routes, job: Array, index: Array) -> Complex:
     return point(routes, job, routes.ahead[job, _vessel(index), index])
 
 
-def leads_on(routes: Routes, job: Array, index: Array) -> Array:
-    """Whether guidance points lie beyond the goal, bool[n, lanes]."""
-    return routes.ahead[job, _vessel(index), index] > routes.last[job].T
-
-
 def _vessel(index: Array) -> Array:
     return jnp.arange(index.shape[0])[:, None]
 

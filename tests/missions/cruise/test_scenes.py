@@ -2,7 +2,6 @@
 
 import pickle
 
-import jax
 import numpy as np
 import pytest
 from cruise_scenes import ponds
@@ -19,11 +18,7 @@ CHART = ChartSource(
 PLACES = ChartSource(ponds(), ChartTable("ponds", places=((1075.0, -425.0), (1480.0, -60.5))))
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 def test_random_stations_lie_apart_in_the_largest_water():

@@ -38,11 +38,7 @@ CELL, SPEED, STATIONS = 20.0, 5.0, 5
 MAPS = {"shape": [12, 12], "density": 0.2, "cell_size": CELL, "stations": STATIONS}
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 def cruise_study(**changes):

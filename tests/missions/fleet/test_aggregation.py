@@ -4,7 +4,6 @@ from dataclasses import replace
 from functools import partial
 from itertools import pairwise, permutations
 
-import jax
 import numpy as np
 import pytest
 from hypothesis import given
@@ -20,12 +19,7 @@ from usvjax.missions.fleet.routes import _ways
 from usvkernels.fleet.episodes import MOST_AROUND
 from usvkernels.status import Status
 
-
-@pytest.fixture(autouse=True, scope="module")
-def one_device():
-    """Each device compiles for itself."""
-    with jax.default_device(jax.devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 @pytest.mark.parametrize("formation", FORMATIONS)

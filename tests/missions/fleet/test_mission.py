@@ -4,7 +4,6 @@ import dataclasses
 import math
 from functools import partial
 
-import jax
 import numpy as np
 import polars as pl
 import pytest
@@ -30,11 +29,7 @@ JOBS = np.arange(300)
 PARAMS = {"hull_radius": 20.0, "obstacle_radius": 150.0}
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 def study(scenes, **changes):

@@ -5,7 +5,6 @@ from dataclasses import fields
 
 import fleet_encounters
 import fleet_replay
-import jax
 import numpy as np
 import pytest
 from property_draws import FUZZ
@@ -14,12 +13,7 @@ import usvjax as uj
 from usvjax.missions.fleet.ground import Circles
 from usvkernels.status import Status
 
-
-@pytest.fixture(autouse=True, scope="module")
-def one_device():
-    """Each device compiles for itself."""
-    with jax.default_device(jax.devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 STRATEGIES = ("rules", "wei2023", "orca", "none") if FUZZ else ("rules", "orca")

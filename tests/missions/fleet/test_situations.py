@@ -4,7 +4,6 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import jax
 import numpy as np
 import pytest
 from property_draws import FUZZ
@@ -21,11 +20,7 @@ COPY = Path(__file__).parents[4] / "shared" / "data" / "imazu22.json"
 KNOT = 1852 / 3600
 
 
-@pytest.fixture(autouse=True, scope="module")
-def one_device():
-    """Each device compiles for itself."""
-    with jax.default_device(jax.devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 @pytest.mark.skipif(not COPY.exists(), reason="the shared data is not here")

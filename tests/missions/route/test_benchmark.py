@@ -1,6 +1,5 @@
 """Route studies on scenario files of the MovingAI benchmark."""
 
-import jax
 import numpy as np
 import pytest
 from grid_oracle import lengths
@@ -12,12 +11,7 @@ from usvjax.maps import GridMap, save_map
 from usvjax.study import parse_spec
 from usvkernels.status import Status
 
-
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 SCEN = """version 1

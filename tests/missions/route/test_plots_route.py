@@ -2,7 +2,6 @@
 
 import math
 
-import jax
 import matplotlib.colors
 import numpy as np
 import polars as pl
@@ -34,11 +33,7 @@ SIZE = 20.0
 ROUTE = np.array([[110.0, 50], [110, 250], [150, 290], [330, 290]])
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 def chart():

@@ -2,7 +2,6 @@
 
 import math
 
-import jax
 import numpy as np
 import pytest
 from route_ponds import CELL, SHAPE, pond, route_study
@@ -23,11 +22,7 @@ JOBS = np.arange(40)
 RUN = ("astar", "turning", "shortened", "smoothed", "bspline")
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_device():
-    """As in a study; every device would compile for itself."""
-    with jax.default_device(jax.local_devices()[0]):
-        yield
+pytestmark = pytest.mark.usefixtures("one_device")
 
 
 @pytest.fixture(scope="module")
