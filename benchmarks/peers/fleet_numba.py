@@ -33,12 +33,14 @@ from benchmarks.peers.fleet_numba_rules import (
     NORTH,
     PSI,
     REACHED,
+    ROOM,
     RUNNING,
     SLACK,
     SPEED,
     STATUS,
     STUCK,
     TIMED_OUT,
+    TURNING,
     Numbers,
     V,
     W,
@@ -95,7 +97,7 @@ def _passes(px, py, vx, vy, reach, legs):  # type: ignore[no-untyped-def]
 @nb.njit
 def _clearance(i, legs, real, sees, circles, p):  # type: ignore[no-untyped-def]
     """Return least distance to the circles, capped, and whether all is clear."""
-    x, y, least = real[i, X], real[i, Y], p.clearance_cap
+    x, y, least = real[i, X], real[i, Y], real[i, ROOM]
     for c in range(circles.shape[0]):
         reach = p.hull_radius + p.obstacle_radius
         gap, clear = _passes(circles[c, 0] - x, circles[c, 1] - y, 0.0, 0.0, reach, legs)
@@ -122,7 +124,10 @@ def _decide(i, order, real, sees, circles, problem, parts, admissible):  # type:
     v_last = min(cap, v_now + p.v_acc * p.dt) + SLACK * p.v_step
     w_first = max(-p.w_max, w_now - p.w_acc * p.dt)
     w_last = min(p.w_max, w_now + p.w_acc * p.dt) + SLACK * p.w_step
-    turning, course = p.dt * horizon, real[i, GUIDE] / max(real[i, SPEED], 1e-3)
+    turning = p.dt * horizon
+    facing = min(max(np.cos(psi) * order[0] + np.sin(psi) * order[1], TURNING), 1.0)
+    course = facing * real[i, GUIDE] / max(real[i, SPEED], 1e-3) - turning
+    course = max(course, (v_now + p.v_acc * p.dt) / p.v_dec)
     goal_x, goal_y = order[0] * real[i, GUIDE], order[1] * real[i, GUIDE]
     totals = np.zeros(3)
     for j in range(n_w):
@@ -249,7 +254,7 @@ def _episode(start, path, ahead, last, circles, problem, real, count):  # type: 
         sails |= _judge(i, step, hit, real, count, goal, max_steps, p)
     while sails:
         step += 1
-        look_ahead(real, count, path, ahead, last, p)
+        look_ahead(real, count, path, ahead, last, circles, p)
         meet(real, count, roles, must, sees, wanted, goal, p)
         for i in range(n):
             orders[i] = alter(i, real, count, roles, must, wanted, circles, p)

@@ -24,13 +24,14 @@ RUNNING, REACHED, COLLIDED, STUCK, TIMED_OUT = (
 NONE, HEAD_ON, GIVE_WAY, STAND_ON, OVERTAKING, OVERTAKEN = range(6)
 COS_HEAD_ON, COS_ABAFT = np.cos(np.radians(6.0)), np.cos(np.radians(112.5))
 RELEASE, AHEAD, ESCAPE, SLACK = 1.25, 2.0, 0.999999, 1e-3
+COMFORT, TURNING = 0.8, 0.1
 VIOLATION, SLOWER, CHANGE = 30.0, 2.0, 0.1
 DEGREES = np.array([0.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0])
 SHARES = np.array([1.0, 0.5, 0.0])
 
 # Columns of a fleet's reals: what a step carries on, and what it sees before it decides.
 X, Y, PSI, V, W, LENGTH, ANCHOR_X, ANCHOR_Y = range(8)
-EAST, NORTH, INTENT_X, INTENT_Y, COURSE_X, COURSE_Y, GUIDE, SPEED, ARRIVAL = range(8, 17)
+EAST, NORTH, INTENT_X, INTENT_Y, COURSE_X, COURSE_Y, GUIDE, SPEED, ROOM, ARRIVAL = range(8, 18)
 STATUS, ENDED, ANCHOR_STEP, INDEX, INDEX_STEP, ALTERED = range(6)
 
 
@@ -103,18 +104,25 @@ def _contact(px, py, vx, vy, reach):  # type: ignore[no-untyped-def]
 
 
 @nb.njit
-def look_ahead(real, count, path, ahead, last, p):  # type: ignore[no-untyped-def]
-    """Guidance: course, speed and time to the goal."""
+def look_ahead(real, count, path, ahead, last, circles, p):  # type: ignore[no-untyped-def]
+    """Guidance: course, speed, room about the guidance point, and time to the goal."""
     for i in range(real.shape[0]):
         x, y, psi, v = real[i, X], real[i, Y], real[i, PSI], real[i, V]
         at = ahead[i, count[i, INDEX]]
         east, north = path[i, at, 0] - x, path[i, at, 1] - y
         distance = np.hypot(east, north)
         real[i, GUIDE] = distance
+        nearest = np.inf
+        for c in range(circles.shape[0]):
+            gap = np.hypot(circles[c, 0] - path[i, at, 0], circles[c, 1] - path[i, at, 1])
+            nearest = min(nearest, gap - p.hull_radius - p.obstacle_radius)
+        real[i, ROOM] = min(max(nearest, 0.0), p.clearance_cap)
         real[i, COURSE_X] = east / distance if distance > 0.0 else np.cos(psi)
         real[i, COURSE_Y] = north / distance if distance > 0.0 else np.sin(psi)
         left = np.hypot(path[i, last[i], 0] - x, path[i, last[i], 1] - y)
-        speed = min(p.v_max, np.sqrt(2.0 * p.v_dec * left))
+        along = np.cos(psi) * (path[i, last[i], 0] - x) + np.sin(psi) * (path[i, last[i], 1] - y)
+        abeam = min(max(along / max(left, 1e-3), TURNING), 1.0)
+        speed = min(p.v_max, abeam * np.sqrt(2.0 * COMFORT * p.v_dec * left))
         real[i, SPEED] = speed
         real[i, ARRIVAL] = max(left - p.goal_tolerance, 0.0) / p.v_max
         real[i, EAST], real[i, NORTH] = v * np.cos(psi), v * np.sin(psi)

@@ -21,7 +21,6 @@ from usvkernels.dwa.clearance import (
     sector_of,
 )
 from usvkernels.dwa.params import Objective, Sampling, Vessel
-from usvkernels.dwa.traffic import Traffic, clear_of
 from usvkernels.dwa.window import SLACK, Fan, Motion, Window, open_window, unknown_true
 from usvkernels.trig import angle_between, sincos
 from usvkernels.vessel import Complex, complex_product
@@ -130,7 +129,7 @@ def candidates(
     """
     sector = sector_of(objective.search_angle, radius, motion.rows.dtype)
     window = open_window(vessel, sampling, motion, obstacles)
-    return _weigh(vessel, sampling, objective, sector, motion, goal, window, None)
+    return _weigh(vessel, sampling, objective, sector, motion, goal, window)
 
 
 def _weigh(
@@ -141,14 +140,9 @@ def _weigh(
     motion: Motion,
     goal: Array,
     window: Window,
-    traffic: Traffic | None,
 ) -> Candidates:
     v_i, w_j, fan = window.v, window.w, window.fan
-    clear: Array | bool = True
-    if traffic is None:
-        dist = _clearance(vessel, sampling, objective, sector, window)
-    else:
-        dist, clear = clear_of(traffic, vessel, sampling, objective, window)
+    dist = _clearance(vessel, sampling, objective, sector, window)
     east, north = v_i[:, None] * fan.chord[0], v_i[:, None] * fan.chord[1]
     to_goal = goal - motion.place
     to_east, to_north = to_goal[0] - east, to_goal[1] - north
@@ -156,9 +150,8 @@ def _weigh(
         fan.heading[0] * to_north - fan.heading[1] * to_east,
         fan.heading[0] * to_east + fan.heading[1] * to_north,
     )
-    admissible = window.inside_v[:, None] & window.inside_w
-    admissible &= dist > 0.0 if traffic is None else clear
-    if objective.braking and traffic is None:
+    admissible = window.inside_v[:, None] & window.inside_w & (dist > 0.0)
+    if objective.braking:
         v_square, w_square = (v_i * v_i)[:, None], w_j * w_j
         admissible &= (v_square <= 2.0 * dist * vessel.v_dec) & (
             w_square <= 2.0 * dist * vessel.w_dec
@@ -251,19 +244,12 @@ def decide(
     obstacles: Array,
     radius: Scalar,
     goal: Array,
-    traffic: Traffic | None = None,
 ) -> Command:
-    """Speed and yaw rate to execute next (m/s, rad/s), float[lanes].
-
-    Args:
-        vessel, sampling, objective, motion, obstacles, radius, goal: as of `candidates`.
-        traffic: what moves, or has a size of its own, besides; None where all is as in Tan et al.
-            2022: then the bits are those of a kernel without it.
-    """
+    """Speed and yaw rate to execute next (m/s, rad/s), float[lanes]; arguments as `candidates`."""
     sector = sector_of(objective.search_angle, radius, motion.rows.dtype)
     window = open_window(vessel, sampling, motion, obstacles)
     go = unknown_true(vessel.dt)
-    return stage(go, _decide, vessel, sampling, objective, sector, motion, goal, window, traffic)
+    return stage(go, _decide, vessel, sampling, objective, sector, motion, goal, window)
 
 
 @jax.jit  # traced once for all branches of a stage
@@ -275,9 +261,8 @@ def _decide(
     motion: Motion,
     goal: Array,
     window: Window,
-    traffic: Traffic | None,
 ) -> Command:
-    found = _weigh(vessel, sampling, objective, sector, motion, goal, window, traffic)
+    found = _weigh(vessel, sampling, objective, sector, motion, goal, window)
     command = partial(_command, objective.when_blocked)
     return single(command, vessel, sampling, motion, goal, found.v, found.w, found.score)
 

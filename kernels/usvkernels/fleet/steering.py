@@ -10,17 +10,27 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from usvkernels.dwa.candidates import Command, decide
+from usvkernels.dwa.candidates import Command
 from usvkernels.dwa.clearance import FAR
-from usvkernels.dwa.traffic import Traffic
-from usvkernels.dwa.window import Motion
 from usvkernels.fleet import environment, guidance, orca, rules, wei2023
 from usvkernels.fleet.approach import cross, dot
+from usvkernels.fleet.blocks import decide_all
+from usvkernels.fleet.choice import Asked
 from usvkernels.fleet.guidance import Routes
 from usvkernels.fleet.models import MODELS
 from usvkernels.fleet.params import Settings
-from usvkernels.fleet.sight import Obstacles, Orders, Vessels, between, less_drift, minus, sums
+from usvkernels.fleet.sight import (
+    Obstacles,
+    Orders,
+    Vessels,
+    between,
+    less_drift,
+    minus,
+    nearest_square,
+    sums,
+)
 from usvkernels.fleet.state import Fleet
+from usvkernels.fleet.traffic import Circles, Traffic
 from usvkernels.trig import angle_between, sincos
 from usvkernels.vessel import Complex
 
@@ -29,7 +39,7 @@ COMFORT = 0.8
 control it cannot follow the curve of all of it."""
 
 TURNING = 0.1
-"""Of that speed, what a vessel keeps to turn with."""
+"""Of that speed, and of what it looks along, what a vessel keeps to turn with."""
 
 CLOSING = 0.35
 """Of the way left to its goal, how far ahead on its guide segment a vessel steers for: what it is
@@ -175,22 +185,50 @@ def _by_window(
     to_guide = minus(vessels.guide, vessels.place)
     ahead = jnp.sqrt(dot(to_guide, to_guide))
     goal = x + orders.course[0] * ahead, y + orders.course[1] * ahead
-    # What a guide segment keeps from obstacles is enough: who shied from them would arrive askew.
-    clearance = jnp.where(vessels.led, 0.0, objective.clearance_weight)
-    objective = replace(objective, clearance_weight=clearance)
-    motion = Motion(fleet.reals[:5].reshape(5, n * lanes))
-    course = ahead / jnp.maximum(vessels.made_good, 1e-3)
-    command = decide(
-        able,
-        sampling,
-        jax.tree.map(flat, objective),
-        motion,
-        jnp.zeros((2, 0, n * lanes), x.dtype),
-        0.0,
-        jnp.stack([flat(goal[0]), flat(goal[1])]),
-        _traffic(settings, vessels, orders, obstacles, course),
+    asked_for = replace(
+        objective,
+        # What a guide segment keeps from obstacles is enough: who shied would arrive askew.
+        clearance_weight=jnp.where(vessels.led, 0.0, objective.clearance_weight),
+        clearance_cap=jnp.minimum(_room(settings, vessels, obstacles), objective.clearance_cap),
+    )
+    asked = Asked(able, sampling, asked_for, fleet.reals[:5], jnp.stack(goal))
+    course = _lasting(settings, fleet, vessels, orders, ahead)
+    command = decide_all(
+        flat(vessels.under_way),
+        jax.tree.map(flat, asked),
+        jax.tree.map(flat, _traffic(settings, vessels, orders, obstacles, course)),
     )
     return command[0].reshape(n, lanes), command[1].reshape(n, lanes)
+
+
+def _lasting(
+    settings: Settings, fleet: Fleet, vessels: Vessels, orders: Orders, ahead: Array
+) -> Array:
+    """How long a course is looked along after the turn, [n, lanes] (s).
+
+    With the turn as far as to the guidance point, and less as that is off the bow: who turns
+    towards it does not sail what its candidates look along. At least until the vessel has stopped.
+    """
+    vessel, turning = settings.vessel, settings.vessel.dt * settings.sampling.horizon
+    facing = jnp.clip(dot(vessels.bow, orders.course), TURNING, 1.0)
+    whole = facing * ahead / jnp.maximum(vessels.made_good, 1e-3)
+    stopping = (fleet.reals[3] + vessel.v_acc * vessel.dt) / vessel.v_dec
+    return jnp.maximum(whole - turning, stopping)
+
+
+def _room(settings: Settings, vessels: Vessels, obstacles: Obstacles) -> Array:
+    """What guidance points are clear of obstacles at rest by, [n, lanes], 0 or more (m).
+
+    No candidate needs to be clearer than the place it is steered for: who shied from what lies
+    beside its route would circle about it.
+    """
+    centre, velocity = obstacles
+    if velocity is not None:
+        centre = jnp.where(jnp.any(velocity != 0.0, axis=0), FAR, centre)
+    still = jnp.zeros_like(vessels.hull)
+    square = nearest_square(Obstacles(centre, None), vessels.guide, (still, still), 0.0)
+    reach = vessels.hull + settings.passage.obstacle_radius
+    return jnp.maximum(jnp.sqrt(square) - reach, 0.0)
 
 
 def _side_by_side(leaf: Array, n: int, lanes: int) -> Array:
@@ -203,27 +241,28 @@ def _side_by_side(leaf: Array, n: int, lanes: int) -> Array:
 def _traffic(
     settings: Settings, vessels: Vessels, orders: Orders, obstacles: Obstacles, course: Array
 ) -> Traffic:
-    """Obstacles and the vessels that are to be seen, [.., K + n, n * lanes]."""
-    n, lanes = course.shape
+    """Obstacles and the vessels that are to be seen, leaves [.., n, lanes]."""
     x, y = vessels.place
-    hull = vessels.hull
-    circles = obstacles.centre - jnp.stack([x, y])[:, None]
-    theirs = jnp.zeros_like(circles)
+    centres = obstacles.centre - jnp.stack([x, y])[:, None]
+    theirs = jnp.zeros_like(centres)
     if obstacles.velocity is not None:
         theirs += obstacles.velocity
-    reach = jnp.broadcast_to(hull + settings.passage.obstacle_radius, circles.shape[1:])
+    circles = _circles(vessels, centres, theirs, vessels.hull + settings.passage.obstacle_radius)
     if settings.encounters.strategy == "none":
-        place, velocity = circles, theirs
-    else:
-        others = jnp.stack(between((x, y))).swapaxes(1, 2)  # [2, j, i, lanes]
-        sees = orders.sees.swapaxes(0, 1)
-        others = jnp.where(sees, others, FAR)
-        moves = jnp.where(orders.still, 0.0, jnp.stack(vessels.velocity))
-        moves = jnp.broadcast_to(moves[:, :, None], others.shape)
-        place = jnp.concatenate([circles, others], axis=1)
-        velocity = jnp.concatenate([theirs, moves], axis=1)
-        reach = jnp.concatenate([reach, orders.apart.swapaxes(0, 1)])
+        return Traffic(circles, _circles(vessels, centres[:, :0], theirs[:, :0], course), course)
+    places = jnp.stack(between((x, y))).swapaxes(1, 2)  # [2, j, i, lanes]
+    places = jnp.where(orders.sees.swapaxes(0, 1), places, FAR)
+    moves = jnp.where(orders.still, 0.0, jnp.stack(vessels.velocity))
+    others = _circles(vessels, places, moves[:, :, None], orders.apart.swapaxes(0, 1))
+    if settings.encounters.strategy == "wei2023":
+        rows = jnp.concatenate([circles.rows, others.rows], axis=1)
+        return Traffic(Circles(rows, rows.shape[1]), Circles(rows[:, :0], 0), course)
+    return Traffic(circles, others, course)
+
+
+def _circles(vessels: Vessels, place: Array, velocity: Array, reach: Array) -> Circles:
+    """Circles of places [2, K, n, lanes], and of the others what can be broadcast to them."""
+    velocity = jnp.broadcast_to(velocity, place.shape)
     velocity = jnp.stack(less_drift(vessels, (velocity[0], velocity[1])))
-    flat = partial(_side_by_side, n=n, lanes=lanes)
-    weighs = place.shape[1] if settings.encounters.strategy == "wei2023" else circles.shape[1]
-    return Traffic(flat(place), flat(velocity), flat(reach), flat(course), weighs)
+    reach = jnp.broadcast_to(reach, place.shape[1:])
+    return Circles(jnp.concatenate([place, velocity, reach[None]]), place.shape[1])

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from usvkernels.dwa import traffic
+from usvkernels.fleet import traffic
 
 TURNING, COURSE = 3.0, 60.0  # s
 REACH = 100.0
@@ -13,13 +13,12 @@ REACH = 100.0
 def clear(place, heading, speed):
     """Whether going straight on at `speed` (m/s) is allowed beside something at rest."""
     ahead = jnp.full(1, np.cos(heading)), jnp.full(1, np.sin(heading))
-    legs = traffic._Legs(turn=ahead, course=ahead, bulge=jnp.zeros(1))
-    times = traffic._Times(jnp.full(1, TURNING), jnp.full(1, COURSE), jnp.full((1, 1), speed))
-    there = tuple(jnp.full(1, float(part)) for part in place)
-    still, v = (jnp.zeros(1), jnp.zeros(1)), jnp.full((1, 1), float(speed))
-    least = traffic._nearer(
-        there, still, jnp.full(1, REACH), legs, times, v, True, jnp.full((1, 1), jnp.inf)
-    )
+    legs = traffic.Legs(turn=ahead, course=ahead, bulge=jnp.zeros(1))
+    times = traffic.Times(jnp.full(1, TURNING), jnp.full(1, COURSE), jnp.full((1, 1), speed))
+    rows = jnp.array([*place, 0.0, 0.0, REACH]).reshape(5, 1, 1)
+    weighing, none = traffic.Circles(rows, 1), traffic.Circles(rows[:, :0], 0)
+    there = traffic.Traffic(weighing, none, times.course)
+    least = traffic.least_distance(there, legs, times, jnp.full((1, 1), float(speed)))
     return bool(least[0, 0] > -jnp.inf)
 
 

@@ -40,6 +40,19 @@ def sail(starts, goals, circles, strategy: str, valid=None):
     )
 
 
+def test_who_sails_to_a_place_beside_an_obstacle_arrives():
+    """Four vessels a fleet, each to a place 30 m from touching an obstacle, from all round it."""
+    count, beside = 16, PARAMS.hull_radius + PARAMS.obstacle_radius + 30.0
+    circles = np.array([[9e3, 0.0], [-9e3, 0.0], [0.0, 9e3], [0.0, -9e3]])
+    angle = np.linspace(-np.pi, np.pi, 4 * count, endpoint=False).reshape(count, 4)
+    way = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    starts = np.concatenate([circles + 1500.0 * way, angle[..., None]], axis=-1)
+    goals = circles + beside * np.array([1.0, 0.0])
+    found = sail(starts, np.tile(goals, (count, 1, 1)), np.tile(circles, (count, 1, 1)), "rules")
+    assert (found.status == Status.REACHED).all()
+    assert (found.path_length < 1.05 * found.route_length).all()
+
+
 @pytest.fixture(scope="module", params=STRATEGIES)
 def recorded(request):
     starts, goals, circles = layouts(16, 4, 1)

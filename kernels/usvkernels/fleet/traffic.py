@@ -1,0 +1,140 @@
+"""Obstacles that move or differ in size, as the window's candidates meet them.
+
+A candidate is held for the prediction's horizon, a few control periods of turning, and its course
+then kept: two straight legs in the frame of an obstacle, along which the least distance has a
+closed form. So nothing passes between two samples, however long the course.
+"""
+
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from usvkernels.dwa.clearance import Scalar
+from usvkernels.vessel import Complex
+
+TINY = 1e-12
+"""Keeps the time to the closest point finite where nothing closes; (m/s)^2."""
+
+ESCAPE = 0.999999
+"""Of the present distance: within `reach` already, a candidate must come no closer than this."""
+
+
+class Circles(NamedTuple):
+    """What moves on straight courses; lanes last."""
+
+    rows: Array  # float[5, K, lanes], ROWS of each, FAR pads
+    number: Array | int  # int32[], how many of K, the first, any lane has to look at
+
+
+ROWS = ("east", "north", "velocity_east", "velocity_north", "reach")
+"""Place relative to the vessel (m), velocity less the vessel's drift (m/s), and distance from the
+centre that is too close (m)."""
+
+
+class Traffic(NamedTuple):
+    """What a vessel keeps clear of."""
+
+    weighing: Circles  # whose distance scores as well
+    others: Circles
+    course: Array  # float[lanes], how long the course is looked along after the turn (s)
+
+
+class Legs(NamedTuple):
+    """What candidates do, less the vessel's place and drift; [n_w, lanes], or of one yaw rate."""
+
+    turn: Complex  # mean velocity while turning, at 1 m/s
+    course: Complex  # velocity after it, at 1 m/s
+    bulge: Array  # m by which the turn may leave its chord, at 1 m/s
+
+
+class Times(NamedTuple):
+    """How long they do it."""
+
+    turning: Array  # s, [lanes]
+    course: Array  # s, [lanes]
+    stopping: Array  # s, [n_v, lanes]
+
+
+def least_distance(traffic: Traffic, legs: Legs, times: Times, v: Array) -> Array:
+    """How clear of the traffic the candidates of one yaw rate stay.
+
+    Args:
+        traffic: what there is.
+        legs, times: of the candidates.
+        v: their speeds, float[n_v, lanes] (m/s).
+
+    Returns:
+        float[n_v, lanes], least distance (m) to what is too close, along turn and course, inf
+        where there is nothing; -inf for candidates that are not clear, which come nearer than too
+        close before the vessel could have stopped.
+    """
+    least = jnp.full(v.shape, jnp.inf, v.dtype)
+    for circles, weighs in ((traffic.weighing, True), (traffic.others, False)):
+        if not circles.rows.shape[1]:
+            continue
+
+        def nearer(k: Array, least: Array, rows: Array, weighs: bool) -> Array:
+            return _nearer(rows[:, k], legs, times, v, weighs, least)
+
+        fold = partial(nearer, rows=circles.rows, weighs=weighs)
+        least = jax.lax.fori_loop(0, circles.number, fold, least)
+    return least
+
+
+def bulge(angle: Scalar) -> Array:
+    """Height of an arc over its chord, for one of length 1 that turns by up to pi; an upper bound.
+
+    That is half the tangent of a quarter of the angle, over a chord no longer than the arc.
+    """
+    quarter = jnp.abs(angle) / 4.0
+    return 0.5 * (quarter + 0.45 * quarter * quarter * quarter)
+
+
+def _nearer(circle: Array, legs: Legs, times: Times, v: Array, weighs: bool, least: Array) -> Array:
+    """Fold a circle, ROWS of it, into the least distance, -inf for a candidate that is not clear.
+
+    One array holds both: of two, XLA would compute the approach anew for each.
+    """
+    place, velocity, reach = (circle[0], circle[1]), (circle[2], circle[3]), circle[4]
+    bulge = jnp.abs(v) * legs.bulge
+    turn = velocity[0] - v * legs.turn[0], velocity[1] - v * legs.turn[1]
+    course = velocity[0] - v * legs.course[0], velocity[1] - v * legs.course[1]
+    at_end = _at(place, turn, times.turning)
+    on_turn = _square(_at(place, turn, _closest(place, turn, times.turning)))
+    time = _closest(at_end, course, times.course)
+    soon = _square(_at(at_end, course, less(time, times.stopping)))
+    escape = ESCAPE * jnp.sqrt(_square(place))
+    on_turn_allowed, allowed = less(reach + bulge, escape), less(reach, escape - bulge)
+    clear = on_turn > on_turn_allowed * on_turn_allowed
+    clear &= soon > allowed * jnp.abs(allowed)
+    if weighs:
+        far = jnp.sqrt(_square(_at(at_end, course, time)))
+        least = less(less(jnp.sqrt(on_turn) - bulge, far) - reach, least)
+    return jnp.where(clear, least, -jnp.inf)
+
+
+def _closest(place: Complex, closing: Complex, lasts: Scalar) -> Array:
+    square = _square(closing)
+    square = jnp.where(square > TINY, square, TINY)
+    time = -_dot(place, closing) / square
+    return less(jnp.where(time > 0.0, time, 0.0), lasts)
+
+
+def less(a: Array, b: Scalar) -> Array:
+    """The lesser; jnp.minimum spends three more operations on NaN."""
+    return jnp.where(a < b, a, b)
+
+
+def _at(place: Complex, closing: Complex, time: Scalar) -> Complex:
+    return place[0] + closing[0] * time, place[1] + closing[1] * time
+
+
+def _square(vector: Complex) -> Array:
+    return vector[0] * vector[0] + vector[1] * vector[1]
+
+
+def _dot(a: Complex, b: Complex) -> Array:
+    return a[0] * b[0] + a[1] * b[1]
