@@ -166,7 +166,8 @@ def report(found: dict[str, Any]) -> str:
             "The fleets that all sail, in closed loop. A passage holds hundreds of choices among "
             "451 candidates, of which rounding may turn any that are nearly equal. The rules of "
             "the peers are simpler: without sailing on parallel to the route, the distance that "
-            "the window keeps, and parting after a wait. That costs them less.",
+            "the window keeps, parting after a wait, and braking on the clearest turn. That costs "
+            "them less.",
             table(ends, agreed),
             "\n".join(verdicts),
         ]

@@ -114,6 +114,24 @@ def _clearance(i, legs, real, sees, circles, p):  # type: ignore[no-untyped-def]
 
 
 @nb.njit
+def _step_is_clear(i, v, real, sees, circles, p):  # type: ignore[no-untyped-def]
+    """Return whether the next step, which is along the heading, touches nothing."""
+    x, y = real[i, X], real[i, Y]
+    east, north = v * np.cos(real[i, PSI]), v * np.sin(real[i, PSI])
+    for c in range(circles.shape[0]):
+        px, py, reach = circles[c, 0] - x, circles[c, 1] - y, p.hull_radius + p.obstacle_radius
+        if least_distance(px, py, -east, -north, p.dt) <= min(reach, ESCAPE * np.hypot(px, py)):
+            return False
+    for j in range(real.shape[0]):
+        if i != j and sees[i, j]:
+            px, py, reach = real[j, X] - x, real[j, Y] - y, 2.0 * p.hull_radius
+            vx, vy = real[j, EAST] - east, real[j, NORTH] - north
+            if least_distance(px, py, vx, vy, p.dt) <= min(reach, ESCAPE * np.hypot(px, py)):
+                return False
+    return True
+
+
+@nb.njit
 def _decide(i, order, real, sees, circles, problem, parts, admissible):  # type: ignore[no-untyped-def]
     """Return speed and yaw rate by the dynamic window; `parts` and `admissible` are scratch."""
     numbers, n_v, n_w, horizon, shared, _, _ = problem
@@ -129,7 +147,9 @@ def _decide(i, order, real, sees, circles, problem, parts, admissible):  # type:
     course = facing * real[i, GUIDE] / max(real[i, SPEED], 1e-3) - turning
     course = max(course, (v_now + p.v_acc * p.dt) / p.v_dec)
     goal_x, goal_y = order[0] * real[i, GUIDE], order[1] * real[i, GUIDE]
-    totals = np.zeros(3)
+    totals, serves = np.zeros(3), np.zeros(n_v, np.bool_)
+    for k in range(n_v):
+        serves[k] = _step_is_clear(i, v_first + k * p.v_step, real, sees, circles, p)
     for j in range(n_w):
         w = w_first + j * p.w_step
         quarter = abs(w * turning) / 4.0
@@ -140,7 +160,7 @@ def _decide(i, order, real, sees, circles, problem, parts, admissible):  # type:
         for k in range(n_v):
             v, n = v_first + k * p.v_step, k * n_w + j
             admissible[n] = False
-            if v > v_last or w > w_last:
+            if v > v_last or w > w_last or not serves[k]:
                 continue
             if shared:
                 east, north = v * unit_x, v * unit_y

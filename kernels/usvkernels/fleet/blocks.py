@@ -88,13 +88,13 @@ def _near(asked: Asked, traffic: Traffic) -> tuple[Array, Array]:
 
 def _comes_near(circles: Circles, fastest: Array, lasts: Array, off: Array) -> Array:
     """Whether circles may come as near as that to what sails so long, bool[K, vessels]."""
-    east, north, *velocity, reach = circles.rows
+    east, north, *velocity, reach, _ = circles.rows
     closing = fastest + jnp.hypot(*velocity)
     return jnp.hypot(east, north) - reach - off <= closing * lasts
 
 
 def _nearest(rows: Array, near: Array) -> Circles:
-    """Those of a block's circles [5, K, vessels] that come near, each vessel's the first."""
+    """Those of a block's circles [6, K, vessels] that come near, each vessel's the first."""
     if not rows.shape[1]:
         return Circles(rows, 0)
     most = jnp.max(jnp.sum(near, axis=0, dtype=jnp.int32))
@@ -103,7 +103,7 @@ def _nearest(rows: Array, near: Array) -> Circles:
 
 def _gathered(rows: Array, near: Array, most: Array) -> Array:
     count = near.shape[0]
-    padding = jnp.array([FAR, FAR, 0.0, 0.0, 0.0], rows.dtype)[:, None]
+    padding = jnp.array([FAR, FAR, 0.0, 0.0, 0.0, 0.0], rows.dtype)[:, None]
 
     def take(slot: Array, carry: tuple[Array, Array]) -> tuple[Array, Array]:
         left, gathered = carry
@@ -114,7 +114,7 @@ def _gathered(rows: Array, near: Array, most: Array) -> Array:
             return jnp.where(here, k, found[0]), jnp.where(here, rows[:, k], found[1])
 
         none = jnp.full(near.shape[1], count, jnp.int32)
-        pad = jnp.broadcast_to(padding, (5, near.shape[1]))
+        pad = jnp.broadcast_to(padding, (len(rows), near.shape[1]))
         taken, circle = lax.fori_loop(0, count, first, (none, pad))
         left = jnp.where(jnp.arange(count)[:, None] == taken, 0, left)
         return left, gathered.at[:, slot].set(circle)

@@ -12,10 +12,18 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from usvkernels.dwa.candidates import Command
-from usvkernels.dwa.clearance import Scalar
 from usvkernels.dwa.params import Objective, Sampling, Vessel
 from usvkernels.dwa.window import Motion, Window, open_window
-from usvkernels.fleet.traffic import Legs, Times, Traffic, bulge, least_distance, less
+from usvkernels.fleet.traffic import (
+    Legs,
+    Times,
+    Traffic,
+    bulge,
+    least_distance,
+    less,
+    room_while_stopping,
+    step_is_clear,
+)
 from usvkernels.trig import angle_between
 from usvkernels.vessel import Complex
 from usvkernels.xla.single import single
@@ -46,21 +54,14 @@ def decide(asked: Asked, traffic: Traffic) -> Command:
     )
     times = Times(turning, traffic.course, jnp.abs(window.v) / vessel.v_dec)
     to_goal = asked.goal - motion.place
-    best, index = single(_best, window, legs, times, to_goal, traffic, asked.objective)
+    dt = jnp.asarray(vessel.dt)
+    best, index, evading = single(_best, window, legs, times, dt, to_goal, traffic, asked.objective)
     row, column = index // sampling.n_w, index % sampling.n_w
+    some = best > -jnp.inf
+    row, column = jnp.where(some, row, 0), jnp.where(some, column, evading)
     v = window.v[0] + row.astype(best.dtype) * sampling.v_step
     w = window.w[0] + column.astype(best.dtype) * sampling.w_step
-    some = best > -jnp.inf
-    # Where nothing is clear, it brakes.
-    slower, straighter = (
-        _towards_zero(motion.v, vessel.v_dec * vessel.dt),
-        _towards_zero(motion.w, vessel.w_dec * vessel.dt),
-    )
-    return jnp.where(some, v, slower), jnp.where(some, w, straighter)
-
-
-def _towards_zero(rate: Array, change: Scalar) -> Array:
-    return jnp.sign(rate) * jnp.maximum(jnp.abs(rate) - change, 0.0)
+    return v, w
 
 
 class _Parts(NamedTuple):
@@ -71,10 +72,23 @@ class _Parts(NamedTuple):
 
 
 def _best(
-    window: Window, legs: Legs, times: Times, to_goal: Array, traffic: Traffic, objective: Objective
-) -> tuple[Array, Array]:
-    """Score of the best candidate, -inf where none is admitted, and its number, row by row."""
+    window: Window,
+    legs: Legs,
+    times: Times,
+    dt: Array,
+    to_goal: Array,
+    traffic: Traffic,
+    objective: Objective,
+) -> tuple[Array, Array, Array]:
+    """The best candidate, and what a vessel without one does.
+
+    Returns:
+        float[lanes], its score, -inf where none is admitted; int32[lanes], its number, row by row;
+        and int32[lanes], the yaw rate of `_evading`.
+    """
     v, n_w = window.v, window.w.shape[0]
+    bow = window.fan.first[0][0], window.fan.first[1][0]
+    serves = window.inside_v & step_is_clear(traffic, bow, dt, v)
 
     def column(j: Array, carry: tuple[_Parts, Array]) -> tuple[_Parts, Array]:
         parts, totals = carry
@@ -82,7 +96,7 @@ def _best(
         dist = less(least, objective.clearance_cap)
         chord = window.fan.chord[0][j], window.fan.chord[1][j]
         heading = window.fan.heading[0][j], window.fan.heading[1][j]
-        admitted = window.inside_v & window.inside_w[j] & (least > -jnp.inf)
+        admitted = serves & window.inside_w[j] & (least > -jnp.inf)
         gap = jnp.where(admitted, jnp.pi - _error(v, chord, heading, to_goal), jnp.nan)
         parts = _Parts(parts.gap.at[j].set(gap), parts.dist.at[j].set(dist))
         return parts, _added(totals, gap, dist, v)
@@ -91,7 +105,31 @@ def _best(
     none = jnp.zeros((3, v.shape[1]), v.dtype)
     parts, totals = lax.fori_loop(0, n_w, column, (_Parts(plane, plane), none))
     scale = jnp.where(totals > 0.0, 1.0 / totals, 0.0)
-    return _first_of_best(parts, v, scale, objective)
+    best, index = _first_of_best(parts, v, scale, objective)
+    return best, index, _evading(window, legs, times, traffic)
+
+
+def _evading(window: Window, legs: Legs, times: Times, traffic: Traffic) -> Array:
+    """The yaw rate, int32[lanes], on which a vessel brakes where nothing is clear.
+
+    It keeps clearest until the vessel has stopped; of equals, as of one at rest, the least.
+    """
+    stopping = times._replace(stopping=times.stopping[0])
+    room = room_while_stopping(traffic, legs, stopping, window.v[0])
+
+    def clearer(j: Array, best: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        rate = jnp.abs(window.w[j])
+        better = (room[j] > best[0]) | ((room[j] == best[0]) & (rate < best[1]))
+        better &= window.inside_w[j]
+        return (
+            jnp.where(better, room[j], best[0]),
+            jnp.where(better, rate, best[1]),
+            jnp.where(better, j, best[2]),
+        )
+
+    none = jnp.full_like(window.w[0], -jnp.inf)
+    first = none, jnp.full_like(none, jnp.inf), jnp.zeros(none.shape, jnp.int32)
+    return lax.fori_loop(0, window.w.shape[0], clearer, first)[2]
 
 
 def _error(v: Array, chord: Complex, heading: Complex, to_goal: Array) -> Array:

@@ -55,10 +55,13 @@ def program(jobs: Jobs, settings: Settings) -> Program:
     def step(fleet: Fleet) -> Fleet:
         return _step(jobs, settings_of(fleet.swept), fleet)
 
+    def result(fleet: Fleet) -> Outcome:
+        return _outcome(settings_of(fleet.swept), fleet)
+
     def taken(fleet: Fleet) -> Array:
         return fleet.steps
 
-    return Program(start=start, step=step, done=_ended, result=_outcome, taken=taken)
+    return Program(start=start, step=step, done=_ended, result=result, taken=taken)
 
 
 def _start(jobs: Jobs, settings: Settings, swept: dict[int, Array], job: Array) -> Fleet:
@@ -157,8 +160,9 @@ def _judge(
     x, y = after.place
     made = minus(after.place, after.anchor)
     way = dot(made, made) > passage.stuck_distance * passage.stuck_distance
+    way &= under_way
     anchor_step = jnp.where(way, steps, after.anchor_step)
-    idle = (steps - anchor_step).astype(x.dtype) * dt >= passage.stuck_time
+    idle = _idle(settings, steps, anchor_step)
     nowhere = (steps - after.index_step).astype(x.dtype) * dt >= passage.livelock_time
     nowhere |= after.around >= MOST_AROUND
     arrives, missed, returns = _approach(jobs, passage, after)
@@ -180,6 +184,11 @@ def _judge(
     kept = [index, *after.counts[4:6], moving_step, around, returns.astype(index.dtype)]
     counts = jnp.stack([status, ended_step, anchor_step, *kept])
     return replace(after, reals=reals, counts=counts)
+
+
+def _idle(settings: Settings, steps: Array, anchor_step: Array) -> Array:
+    """Whether vessels had made no way for so long by a step that they are stuck: a deadlock."""
+    return (steps - anchor_step) * settings.vessel.dt >= settings.passage.stuck_time
 
 
 def _approach(jobs: Jobs, passage: Passage, fleet: Fleet) -> tuple[Array, Array, Array]:
@@ -221,13 +230,14 @@ def _clearance(
     return jnp.sqrt(least) - (passage.hull_radius + passage.obstacle_radius)
 
 
-def _outcome(fleet: Fleet) -> Outcome:
+def _outcome(settings: Settings, fleet: Fleet) -> Outcome:
     stuck = fleet.status == int(Status.STUCK)
+    deadlock = _idle(settings, fleet.ended_step, fleet.anchor_step)
     return Outcome(
         status=fleet.status.T,
         ended_step=fleet.ended_step.T,
         moving_step=fleet.moving_step.T,
-        livelock=(stuck & (fleet.anchor_step > fleet.index_step)).T,
+        livelock=(stuck & ~deadlock).T,
         path_length=fleet.length.T,
         clearance=fleet.clearance.T,
         separation=fleet.separation.T,

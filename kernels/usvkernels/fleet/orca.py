@@ -19,6 +19,7 @@ from usvkernels.fleet.approach import cross, dot
 from usvkernels.fleet.params import Encounters
 from usvkernels.fleet.sight import Obstacles, Vessels, between, less_drift, minus, others, sums
 from usvkernels.vessel import Complex
+from usvkernels.xla.single import single
 
 PARALLEL = 1e-6
 """Sine below which two lines do not meet."""
@@ -68,13 +69,16 @@ def meet(
     joined = joined._replace(velocity=less_drift(vessels, joined.velocity))
     sides = jax.tree.map(flat, joined)
     own = tuple(map(flat, less_drift(vessels, vessels.velocity)))
-    allowed = lines(
+    # In a single piece, rounded in the same way in any number of lanes.
+    horizon, step = flat(how.act_time), flat(dt)
+    allowed = single(
+        lines,
         sides.place,
         sides.velocity,
-        (own[0], own[1]),
+        own,
         sides.reach,
-        flat(how.act_time),
-        flat(dt),
+        horizon,
+        step,
         sides.share,
         sides.valid,
     )

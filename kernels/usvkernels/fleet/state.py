@@ -141,7 +141,7 @@ class Outcome:
     status: Array  # int32, `Status` of each vessel, ABSENT for none
     ended_step: Array  # int32
     moving_step: Array  # int32, the last step in which the vessel moved
-    livelock: Array  # bool, whether a STUCK vessel still moved
+    livelock: Array  # bool, whether a STUCK vessel moved, but no further along its route
     path_length: Array  # float, m over ground
     clearance: Array  # float, m, inf where no obstacle was near
     separation: Array  # float, m, inf for a vessel alone

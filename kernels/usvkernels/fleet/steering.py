@@ -247,22 +247,26 @@ def _traffic(
     theirs = jnp.zeros_like(centres)
     if obstacles.velocity is not None:
         theirs += obstacles.velocity
-    circles = _circles(vessels, centres, theirs, vessels.hull + settings.passage.obstacle_radius)
+    reach = vessels.hull + settings.passage.obstacle_radius
+    circles = _circles(vessels, centres, theirs, reach, reach)
     if settings.encounters.strategy == "none":
-        return Traffic(circles, _circles(vessels, centres[:, :0], theirs[:, :0], course), course)
+        return Traffic(circles, Circles(circles.rows[:, :0], 0), course)
     places = jnp.stack(between((x, y))).swapaxes(1, 2)  # [2, j, i, lanes]
     places = jnp.where(orders.sees.swapaxes(0, 1), places, FAR)
     moves = jnp.where(orders.still, 0.0, jnp.stack(vessels.velocity))
-    others = _circles(vessels, places, moves[:, :, None], orders.apart.swapaxes(0, 1))
+    apart = orders.apart.swapaxes(0, 1)
+    others = _circles(vessels, places, moves[:, :, None], apart, sums(vessels.hull))
     if settings.encounters.strategy == "wei2023":
         rows = jnp.concatenate([circles.rows, others.rows], axis=1)
         return Traffic(Circles(rows, rows.shape[1]), Circles(rows[:, :0], 0), course)
     return Traffic(circles, others, course)
 
 
-def _circles(vessels: Vessels, place: Array, velocity: Array, reach: Array) -> Circles:
+def _circles(
+    vessels: Vessels, place: Array, velocity: Array, reach: Array, touch: Array
+) -> Circles:
     """Circles of places [2, K, n, lanes], and of the others what can be broadcast to them."""
     velocity = jnp.broadcast_to(velocity, place.shape)
     velocity = jnp.stack(less_drift(vessels, (velocity[0], velocity[1])))
-    reach = jnp.broadcast_to(reach, place.shape[1:])
-    return Circles(jnp.concatenate([place, velocity, reach[None]]), place.shape[1])
+    sizes = [jnp.broadcast_to(size, place.shape[1:])[None] for size in (reach, touch)]
+    return Circles(jnp.concatenate([place, velocity, *sizes]), place.shape[1])

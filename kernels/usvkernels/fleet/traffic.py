@@ -25,13 +25,13 @@ ESCAPE = 0.999999
 class Circles(NamedTuple):
     """What moves on straight courses; lanes last."""
 
-    rows: Array  # float[5, K, lanes], ROWS of each, FAR pads
+    rows: Array  # float[6, K, lanes], ROWS of each, FAR pads
     number: Array | int  # int32[], how many of K, the first, any lane has to look at
 
 
-ROWS = ("east", "north", "velocity_east", "velocity_north", "reach")
-"""Place relative to the vessel (m), velocity less the vessel's drift (m/s), and distance from the
-centre that is too close (m)."""
+ROWS = ("east", "north", "velocity_east", "velocity_north", "reach", "touch")
+"""Place relative to the vessel (m), velocity less the vessel's drift (m/s), and distances from the
+centre: that is too close, and that is a collision (m)."""
 
 
 class Traffic(NamedTuple):
@@ -84,6 +84,36 @@ def least_distance(traffic: Traffic, legs: Legs, times: Times, v: Array) -> Arra
     return least
 
 
+def step_is_clear(traffic: Traffic, bow: Complex, dt: Scalar, v: Array) -> Array:
+    """Whether the next step, which is along the heading whatever the yaw rate, touches nothing.
+
+    Beside what is close, the chord of a turn may lead away while its first step comes nearer.
+
+    Args:
+        traffic: what there is.
+        bow: unit vector of the heading.
+        dt: control period (s).
+        v: speeds, float[n_v, lanes] (m/s).
+
+    Returns:
+        bool[n_v, lanes].
+    """
+
+    def also(k: Array, clear: Array, rows: Array) -> Array:
+        east, north, *moves, reach, _ = rows[:, k]
+        place = east, north
+        closing = moves[0] - v * bow[0], moves[1] - v * bow[1]
+        near = _square(_at(place, closing, _closest(place, closing, dt)))
+        allowed = less(reach, ESCAPE * jnp.sqrt(_square(place)))
+        return clear & (near > allowed * allowed)
+
+    clear = jnp.ones(v.shape, bool)
+    for circles in (traffic.weighing, traffic.others):
+        if circles.rows.shape[1]:
+            clear = jax.lax.fori_loop(0, circles.number, partial(also, rows=circles.rows), clear)
+    return clear
+
+
 def bulge(angle: Scalar) -> Array:
     """Height of an arc over its chord, for one of length 1 that turns by up to pi; an upper bound.
 
@@ -93,27 +123,60 @@ def bulge(angle: Scalar) -> Array:
     return 0.5 * (quarter + 0.45 * quarter * quarter * quarter)
 
 
+def room_while_stopping(traffic: Traffic, legs: Legs, times: Times, v: Array) -> Array:
+    """Least distance to a collision until candidates of one speed have stopped (m).
+
+    Args:
+        traffic: what there is.
+        legs, times: of the candidates; the stopping time is [lanes].
+        v: their speed, float[lanes] (m/s).
+
+    Returns:
+        float[n_w, lanes], inf where there is nothing.
+    """
+    bulge = jnp.abs(v) * legs.bulge
+
+    def nearer(k: Array, least: Array, rows: Array) -> Array:
+        on_turn, soon, _ = _squares(rows[:, k], legs, times, v)
+        return less(less(jnp.sqrt(on_turn) - bulge, jnp.sqrt(soon)) - rows[5, k], least)
+
+    least = jnp.full(legs.bulge.shape, jnp.inf, v.dtype)
+    for circles in (traffic.weighing, traffic.others):
+        if circles.rows.shape[1]:
+            fold = partial(nearer, rows=circles.rows)
+            least = jax.lax.fori_loop(0, circles.number, fold, least)
+    return least
+
+
 def _nearer(circle: Array, legs: Legs, times: Times, v: Array, weighs: bool, least: Array) -> Array:
     """Fold a circle, ROWS of it, into the least distance, -inf for a candidate that is not clear.
 
     One array holds both: of two, XLA would compute the approach anew for each.
     """
-    place, velocity, reach = (circle[0], circle[1]), (circle[2], circle[3]), circle[4]
-    bulge = jnp.abs(v) * legs.bulge
+    reach, bulge = circle[4], jnp.abs(v) * legs.bulge
+    on_turn, soon, far = _squares(circle, legs, times, v)
+    escape = ESCAPE * jnp.sqrt(_square((circle[0], circle[1])))
+    on_turn_allowed, allowed = less(reach + bulge, escape), less(reach, escape - bulge)
+    clear = on_turn > on_turn_allowed * on_turn_allowed
+    clear &= soon > allowed * jnp.abs(allowed)
+    if weighs:
+        least = less(less(jnp.sqrt(on_turn) - bulge, jnp.sqrt(far)) - reach, least)
+    return jnp.where(clear, least, -jnp.inf)
+
+
+def _squares(circle: Array, legs: Legs, times: Times, v: Array) -> tuple[Array, Array, Array]:
+    """Least squared distances (m^2) to a circle's centre.
+
+    On the turn's chord, on the course until the vessel could have stopped, and on all of it.
+    """
+    place, velocity = (circle[0], circle[1]), (circle[2], circle[3])
     turn = velocity[0] - v * legs.turn[0], velocity[1] - v * legs.turn[1]
     course = velocity[0] - v * legs.course[0], velocity[1] - v * legs.course[1]
     at_end = _at(place, turn, times.turning)
     on_turn = _square(_at(place, turn, _closest(place, turn, times.turning)))
     time = _closest(at_end, course, times.course)
     soon = _square(_at(at_end, course, less(time, times.stopping)))
-    escape = ESCAPE * jnp.sqrt(_square(place))
-    on_turn_allowed, allowed = less(reach + bulge, escape), less(reach, escape - bulge)
-    clear = on_turn > on_turn_allowed * on_turn_allowed
-    clear &= soon > allowed * jnp.abs(allowed)
-    if weighs:
-        far = jnp.sqrt(_square(_at(at_end, course, time)))
-        least = less(less(jnp.sqrt(on_turn) - bulge, far) - reach, least)
-    return jnp.where(clear, least, -jnp.inf)
+    return on_turn, soon, _square(_at(at_end, course, time))
 
 
 def _closest(place: Complex, closing: Complex, lasts: Scalar) -> Array:

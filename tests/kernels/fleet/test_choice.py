@@ -16,6 +16,7 @@ from usvkernels.fleet.traffic import Circles, Traffic
 pytestmark = pytest.mark.usefixtures("one_device")
 
 VESSELS = 3 * BLOCK - 5
+ESCAPE = 0.999999
 STATIC = FleetStatic(n_v=13, n_w=9)
 PARAMS = FleetParams(v_max=8.0, v_acc=0.5, v_dec=0.4, v_step=0.1, w_acc=0.05, w_step=0.015)
 
@@ -55,7 +56,7 @@ def circles(rng: np.random.Generator, count: int, side: float, speed: float) -> 
         [
             rng.uniform(-side, side, (2, count, VESSELS)),
             rng.uniform(-speed, speed, (2, count, VESSELS)),
-            rng.uniform(5, 60, (1, count, VESSELS)),
+            *np.sort(rng.uniform(5, 60, (2, 1, count, VESSELS)), axis=0)[::-1],
         ]
     ).astype(np.float32)
     rows[:2, 0, ::7] = FAR
@@ -63,7 +64,7 @@ def circles(rng: np.random.Generator, count: int, side: float, speed: float) -> 
 
 
 def place_ahead(rng: np.random.Generator, circle, motion, distance) -> None:
-    """Put circles [5, vessels] about that far ahead, coming nearer if they move."""
+    """Put circles [6, vessels] about that far ahead, coming nearer if they move."""
     ahead = np.stack([np.cos(motion[2]), np.sin(motion[2])])
     circle[:2] = ahead * distance * rng.uniform(0.85, 1.05, VESSELS)
     circle[2:4] = -ahead * np.hypot(*circle[2:4])
@@ -77,7 +78,7 @@ def plain(asked: Asked, traffic: Traffic, i: int) -> tuple[float, float, float]:
     cap, course = float(asked.objective.clearance_cap[i]), float(traffic.course[i])
     speeds = max(0.0, v_now - p.v_dec) + p.v_step * np.arange(s.n_v)
     rates = max(-p.w_max, w_now - p.w_acc) + p.w_step * np.arange(s.n_w)
-    found = []
+    found, braking = [], []
     for v in speeds[speeds <= min(p.v_max, v_now + p.v_acc) + 1e-3 * p.v_step]:
         for w in rates[rates <= min(p.w_max, w_now + p.w_acc) + 1e-3 * p.w_step]:
             steps = psi + w * np.arange(s.horizon)
@@ -85,18 +86,23 @@ def plain(asked: Asked, traffic: Traffic, i: int) -> tuple[float, float, float]:
             bow = np.array([np.cos(psi + w * s.horizon), np.sin(psi + w * s.horizon)])
             angle = abs(w * s.horizon) / 4
             bulge = v * s.horizon * 0.5 * (angle + 0.45 * angle**3)
-            dist, clear = cap, True
+            dist, clear, room = cap, True, np.inf
             for kind, weighs in ((traffic.weighing, True), (traffic.others, False)):
                 for row in np.asarray(kind.rows, float)[:, :, i].T:
-                    gap, ok = passes(row, end, v * bow, s.horizon, course, v / p.v_dec, bulge)
+                    step = row[2:4] - v * np.array([np.cos(psi), np.sin(psi)])
+                    clear &= nearest(row[:2], step, 1.0) > min(row[4], ESCAPE * np.hypot(*row[:2]))
+                    gap, ok, soon = passes(row, end, v * bow, s.horizon, course, v / p.v_dec, bulge)
                     clear &= ok
-                    dist = min(dist, gap) if weighs else dist
+                    dist, room = min(dist, gap) if weighs else dist, min(room, soon)
+            if v == speeds[0]:
+                braking.append((room, -abs(w), w))
             if clear:
                 to = goal - end
                 off = np.arctan2(bow[0] * to[1] - bow[1] * to[0], bow @ to)
                 found.append((v, w, np.pi - abs(off), dist, v))
     if not found:
-        return max(v_now - p.v_dec, 0.0), np.sign(w_now) * max(abs(w_now) - p.w_acc, 0.0), 1.0
+        first, second = sorted(braking)[:-3:-1]
+        return speeds[0], first[2], first[0] - second[0]
     table = np.array(found)
     weights = p.heading_weight, p.clearance_weight, p.velocity_weight
     score = sum(
@@ -109,16 +115,18 @@ def plain(asked: Asked, traffic: Traffic, i: int) -> tuple[float, float, float]:
 
 
 def passes(row, end, sails, turning, course, stopping, bulge):
-    """Least distance to a circle over turn and course less its reach, and whether that is clear."""
-    place, moves, reach = row[:2], row[2:4], row[4]
+    """Least distance to a circle less its reach, whether clear, and the room until it stops."""
+    place, moves, reach, touch = row[:2], row[2:4], row[4], row[5]
     drawn_in = moves - end / turning
     after = place + turning * drawn_in
     closing = moves - sails
     on_turn = nearest(place, drawn_in, turning)
-    escape = 0.999999 * np.hypot(*place)
+    escape = ESCAPE * np.hypot(*place)
     clear = on_turn > min(reach + bulge, escape)
-    clear &= nearest(after, closing, course, stopping) > min(reach, escape - bulge)
-    return min(on_turn - bulge, nearest(after, closing, course)) - reach, clear
+    soon = nearest(after, closing, course, stopping)
+    clear &= soon > min(reach, escape - bulge)
+    far = nearest(after, closing, course)
+    return min(on_turn - bulge, far) - reach, clear, min(on_turn - bulge, soon) - touch
 
 
 def nearest(place, closing, lasts, at_most=np.inf):

@@ -15,7 +15,7 @@ def clear(place, heading, speed):
     ahead = jnp.full(1, np.cos(heading)), jnp.full(1, np.sin(heading))
     legs = traffic.Legs(turn=ahead, course=ahead, bulge=jnp.zeros(1))
     times = traffic.Times(jnp.full(1, TURNING), jnp.full(1, COURSE), jnp.full((1, 1), speed))
-    rows = jnp.array([*place, 0.0, 0.0, REACH]).reshape(5, 1, 1)
+    rows = jnp.array([*place, 0.0, 0.0, REACH, REACH]).reshape(6, 1, 1)
     weighing, none = traffic.Circles(rows, 1), traffic.Circles(rows[:, :0], 0)
     there = traffic.Traffic(weighing, none, times.course)
     least = traffic.least_distance(there, legs, times, jnp.full((1, 1), float(speed)))

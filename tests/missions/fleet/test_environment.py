@@ -100,7 +100,7 @@ def test_moving_circles_are_kept_clear_of_and_pass_through_nothing(scene, sailed
         last = sailed.steps[row] + 1
         time = np.arange(last)[:, None, None] * PARAMS.dt
         relative = track[:last, :, :2] - (circles[row] + velocities[row] * time)
-        clear = fleet_replay.clearances(relative, np.zeros((1, 2)), REACH).min(axis=0)
+        clear = fleet_replay.clearances(relative, np.zeros((1, 2)), np.full(2, REACH)).min(axis=0)
         assert sailed.min_clearance[row] == pytest.approx(clear, abs=5e-3, rel=1e-4)
         hit = clear < 0
         assert np.array_equal(hit, sailed.vessel_status[row] == Status.COLLIDED)

@@ -1,7 +1,7 @@
 """Where fleets sail: open water, circles, or a map; what is clear there, and the ways round."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -52,17 +52,31 @@ class Ground(Protocol):
         ...
 
 
+class _Grids(NamedTuple):
+    """On which ways are searched, one for each vessel.
+
+    Their sizes are few, and each vessel's own: ties between ways of equal length hang on them, and
+    no way is to depend on who else looks for one.
+    """
+
+    low: np.ndarray  # float64[R, 2], corners (m)
+    cell: np.ndarray  # float64[R], sizes of their cells (m)
+    side: np.ndarray  # int[R], rows and columns, powers of 2
+
+
 @dataclass(frozen=True)
 class Circles:
     """Round obstacles; without any, open water.
 
     Attributes:
         centres: float64[B or 1, K, 2] (m), FAR pads.
-        cell_size: of the grid on which a way is searched (m).
+        cell_size: of the grid on which a way is searched (m); None: a quarter of the reach.
+        coarsest: cell size at most, where it is None (m).
     """
 
     centres: np.ndarray
-    cell_size: float
+    cell_size: float | None
+    coarsest: float = np.inf
 
     def clear(
         self, fleet: np.ndarray, start: np.ndarray, end: np.ndarray, reach: np.ndarray
@@ -85,76 +99,81 @@ class Circles:
         around = np.flatnonzero(~self.clear(fleet, start, end, reach))
         if not len(around):
             return corners, counts, found
-        low, (height, width) = self._extents(
-            fleet[around], start[around], end[around], reach[around]
-        )
-        each = max(1, MOST_CELLS // (height * width))
-        for first in range(0, len(around), each):
-            rows, origin = around[first : first + each], low[first : first + each]
-            blocked = self._grids(fleet[rows], reach[rows], origin, height, width)
-            points, count, reached = self._ways(blocked, origin, start[rows], end[rows])
-            corners = filled(corners, points.shape[1], axis=1)
-            corners[rows, : points.shape[1]] = points
-            counts[rows], found[rows] = count, reached
+        grids = self._grids_for(fleet[around], start[around], end[around], reach[around])
+        for side in np.unique(grids.side):
+            same = np.flatnonzero(grids.side == side)
+            each = max(1, MOST_CELLS // int(side * side))
+            for first in range(0, len(same), each):
+                own = _Grids(*(part[same[first : first + each]] for part in grids))
+                rows = around[same[first : first + each]]
+                blocked = self._blocked(fleet[rows], reach[rows], own)
+                points, count, reached = _ways(blocked, own, start[rows], end[rows])
+                corners = filled(corners, points.shape[1], axis=1)
+                corners[rows, : points.shape[1]] = points
+                counts[rows], found[rows] = count, reached
         return corners, counts, found
-
-    def _ways(
-        self, blocked: np.ndarray, origin: np.ndarray, start: np.ndarray, end: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """As `path`, on grids bool[R, H, W] with their corners float64[R, 2] (m)."""
-        first, last = (self._cells(p, origin, blocked.shape) for p in (start, end))
-        # The cell of a vessel or a goal may be shut by what is only near.
-        every = np.arange(len(blocked))
-        for cell in (first, last):
-            blocked[every, cell[:, 1], cell[:, 0]] = False
-        ways = astar(blocked, first, last)
-        reached = ways.status == int(Status.FOUND)
-        keys = key_points(ways.path, np.where(reached, ways.path_cells, 0), blocked)
-        count = np.where(reached, np.maximum(keys.path_cells, 2), 2)
-        cells = filled(keys.path, int(count.max()), axis=1)[:, : count.max()]
-        points = origin[:, None] + self.cell_size * (cells + 0.5)
-        points[:, 0] = start
-        at_end = np.arange(points.shape[1]) >= (count - 1)[:, None]
-        return np.where(at_end[..., None], end[:, None], points), count, reached
 
     def _of(self, fleet: np.ndarray) -> np.ndarray:
         return self.centres[fleet if len(self.centres) > 1 else np.zeros_like(fleet)]
 
-    def _cells(self, points: np.ndarray, origin: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-        cells = np.floor((points - origin) / self.cell_size).astype(np.int64)
-        return np.clip(cells, 0, np.array(shape[:0:-1]) - 1)
-
-    def _extents(
+    def _grids_for(
         self, fleet: np.ndarray, start: np.ndarray, end: np.ndarray, reach: np.ndarray
-    ) -> tuple[np.ndarray, tuple[int, int]]:
-        """Corners of grids about vessels' passages and all circles, and rows and columns of all."""
+    ) -> _Grids:
+        """Grids about vessels' passages and all circles."""
+        cell = np.full(len(fleet), self.cell_size or 0.0)
+        if self.cell_size is None:
+            cell = np.minimum(self.coarsest, reach / 4)
         centres = self._of(fleet)
         there = np.all(np.abs(centres) < FAR / 2, axis=2)[..., None]
-        room = (reach + 3 * self.cell_size)[:, None]
+        room = (reach + 3 * cell)[:, None]
         ends = np.stack([start, end], axis=1)
         low = np.minimum(ends.min(axis=1), np.where(there, centres, np.inf).min(axis=1) - room)
         high = np.maximum(ends.max(axis=1), np.where(there, centres, -np.inf).max(axis=1) + room)
-        low, high = low - 2 * self.cell_size, high + 2 * self.cell_size
-        width, height = (int(n) for n in np.ceil((high - low).max(axis=0) / self.cell_size))
-        with saying_where(f"static.cell_size: of {self.cell_size:g} m"):
-            check_size(height, width, "the grid of a route", each=BYTES)
-        return low, (height, width)
+        low, high = low - 2 * cell[:, None], high + 2 * cell[:, None]
+        side = 2 ** np.ceil(np.log2((high - low).max(axis=1) / cell)).astype(np.int64)
+        largest = int(np.argmax(side))
+        with saying_where(f"static.cell_size: of {cell[largest]:g} m"):
+            check_size(int(side[largest]), int(side[largest]), "the grid of a route", each=BYTES)
+        return _Grids(low, cell, side)
 
-    def _grids(
-        self, fleet: np.ndarray, reach: np.ndarray, low: np.ndarray, height: int, width: int
-    ) -> np.ndarray:
-        """Cells that are blocked, bool[R, H, W], from their corners float64[R, 2] (m) on."""
-        centres = self._of(fleet)
+    def _blocked(self, fleet: np.ndarray, reach: np.ndarray, grids: _Grids) -> np.ndarray:
+        """Cells that are blocked, bool[R, H, H], of grids of one size."""
+        centres, cell, side = self._of(fleet), grids.cell[:, None], grids.side[0]
         # A cell is shut if any of it is too near: the way found is clear, whatever the cells.
-        keep = reach + self.cell_size * np.sqrt(0.5)
-        blocked = np.zeros((len(fleet), height, width), bool)
-        x = low[:, :1] + self.cell_size * (np.arange(width) + 0.5)
-        y = low[:, 1:] + self.cell_size * (np.arange(height) + 0.5)
+        keep = reach + grids.cell * np.sqrt(0.5)
+        blocked = np.zeros((len(fleet), side, side), bool)
+        x = grids.low[:, :1] + cell * (np.arange(side) + 0.5)
+        y = grids.low[:, 1:] + cell * (np.arange(side) + 0.5)
         for k in range(centres.shape[1]):
             east, north = x - centres[:, k, :1], y - centres[:, k, 1:]
             square = north[:, :, None] ** 2 + east[:, None, :] ** 2
             blocked |= square < keep[:, None, None] ** 2
         return blocked
+
+
+def _ways(
+    blocked: np.ndarray, grids: _Grids, start: np.ndarray, end: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As `Ground.path`, on the cells bool[R, H, H] of grids."""
+    first, last = (_cells(p, grids) for p in (start, end))
+    # The cell of a vessel or a goal may be shut by what is only near.
+    every = np.arange(len(blocked))
+    for cell in (first, last):
+        blocked[every, cell[:, 1], cell[:, 0]] = False
+    ways = astar(blocked, first, last)
+    reached = ways.status == int(Status.FOUND)
+    keys = key_points(ways.path, np.where(reached, ways.path_cells, 0), blocked)
+    count = np.where(reached, np.maximum(keys.path_cells, 2), 2)
+    cells = filled(keys.path, int(count.max()), axis=1)[:, : count.max()]
+    points = grids.low[:, None] + grids.cell[:, None, None] * (cells + 0.5)
+    points[:, 0] = start
+    at_end = np.arange(points.shape[1]) >= (count - 1)[:, None]
+    return np.where(at_end[..., None], end[:, None], points), count, reached
+
+
+def _cells(points: np.ndarray, grids: _Grids) -> np.ndarray:
+    cells = np.floor((points - grids.low) / grids.cell[:, None]).astype(np.int64)
+    return np.clip(cells, 0, grids.side[:, None] - 1)
 
 
 def _distance(start: np.ndarray, end: np.ndarray, centres: np.ndarray) -> np.ndarray:

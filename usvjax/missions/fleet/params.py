@@ -105,7 +105,7 @@ class FleetStatic:
         guide_length: of the guide segment, on which a vessel with a heading to arrive at comes to
             its goal (m). Not printed.
         cell_size: of the grid on which a route is searched among circles (m); None: a quarter of
-            the least distance to keep from a centre, and at most unit_length.
+            the distance that a vessel keeps from a centre, and at most unit_length.
         model: of the vessels' motion: "unicycle", which takes commands on at once, or "otter"
             (surge, sway and yaw; Fossen's Otter), which has them for set points; see
             `usvkernels.fleet.models`. Wind moves the first by its leeway, the other by its force.

@@ -104,10 +104,9 @@ def _among_circles(
     # What is farther than FAR is as far.
     centres = np.clip(centres[None] if shared else centres, -FAR, FAR)
     reach = hull + np.asarray(params.obstacle_radius, np.float64)
-    cell = static.cell_size or min(static.unit_length, float(np.min(reach)) / 4)
-    if not cell > 0:
+    if static.cell_size is None and not np.min(reach) > 0:
         raise BadInputError("params.obstacle_radius: got 0 with hulls of 0 m; wanted more than 0")
-    everything = Circles(centres, cell)
+    everything = Circles(centres, static.cell_size, static.unit_length)
     still = Place(
         everything, everything, reach, params.obstacle_radius, np.zeros(2), padded(centres), None
     )
@@ -115,7 +114,7 @@ def _among_circles(
         return still
     moves = _velocities(velocities, fleets, centres.shape[1])
     # A route keeps clear of what stays where it is; what moves is met on the way.
-    ground = Circles(np.where(moves.any(axis=2, keepdims=True), FAR, centres), cell)
+    ground = replace(everything, centres=np.where(moves.any(axis=2, keepdims=True), FAR, centres))
     packed = np.zeros((len(moves), *padded(centres).shape[1:]), np.float32)
     packed[:, :, : moves.shape[1]] = moves.swapaxes(1, 2)
     return replace(still, ground=ground, velocities=packed)

@@ -43,8 +43,8 @@ class FleetResult:
         status: int32[B], `Status`: REACHED where every vessel did, else the worst ending of any:
             COLLIDED, NO_APPROACH, UNREACHABLE, STUCK or TIMED_OUT, in this order.
         vessel_status: int32[B, n], `Status` of each vessel, -1 for one that is masked.
-        livelock: bool[B, n], whether a vessel that is STUCK moved on without coming further along
-            its route (a livelock); else it stayed where it was (a deadlock).
+        livelock: bool[B, n], whether a vessel is STUCK since it came no further along its route,
+            though it moved (a livelock); else it stayed where it was (a deadlock).
         time: float32[B], duration (s) until the last vessel's passage ended.
         arrival_time: float32[B, n], when a vessel reached its goal (s); inf if it did not.
         path_length: float32[B, n], distance sailed (m), over ground.
