@@ -13,6 +13,9 @@ from usvjax.exports import HOME
 
 ROOT = Path(__file__).parents[1]
 
+STANDS_ON = {"aggregate": ("fleet",)}
+"""Missions that are made of others."""
+
 COMING = {"search_mission", "hunt", "sweep"}
 """Names that the public contract reserves."""
 
@@ -117,7 +120,7 @@ def test_missions_do_not_know_one_another():
         if name.startswith("usvjax.missions."):
             own = name.split(".")[2]
             assert all(
-                other.split(".")[2] == own
+                other.split(".")[2] in (own, *STANDS_ON.get(own, ()))
                 for other in others
                 if other.startswith("usvjax.missions.")
             ), name
@@ -172,7 +175,9 @@ def test_no_module_hides_a_public_name():
 @pytest.mark.parametrize("folder", ["study", "plots"])
 def test_engines_and_primitives_name_no_mission(folder):
     for file in (ROOT / "usvjax" / folder).rglob("*.py"):
-        found = re.findall(r'"(?:dwa|route|cruise|fleet)"|missions\.\w+', file.read_text())
+        found = re.findall(
+            r'"(?:dwa|route|cruise|fleet|aggregate)"|missions\.\w+', file.read_text()
+        )
         assert not found, (file, found)
 
 

@@ -23,6 +23,8 @@ if TYPE_CHECKING:  # "as" tells type checkers that a name is exported
     from usvjax.maps import obstacle_table as obstacle_table
     from usvjax.maps import random_maps as random_maps
     from usvjax.maps import save_map as save_map
+    from usvjax.missions.aggregate.run import AggregateResult as AggregateResult
+    from usvjax.missions.aggregate.run import aggregate as aggregate
     from usvjax.missions.cruise import CruiseParams as CruiseParams
     from usvjax.missions.cruise import CruiseResult as CruiseResult
     from usvjax.missions.cruise import CruiseStatic as CruiseStatic
@@ -34,8 +36,6 @@ if TYPE_CHECKING:  # "as" tells type checkers that a name is exported
     from usvjax.missions.dwa.params import fit_window as fit_window
     from usvjax.missions.dwa.run import NavigateResult as NavigateResult
     from usvjax.missions.dwa.run import navigate_dwa as navigate_dwa
-    from usvjax.missions.fleet.aggregation import AggregateResult as AggregateResult
-    from usvjax.missions.fleet.aggregation import aggregate as aggregate
     from usvjax.missions.fleet.environment import Environment as Environment
     from usvjax.missions.fleet.environment import FieldCurrent as FieldCurrent
     from usvjax.missions.fleet.environment import ShearCurrent as ShearCurrent
@@ -91,6 +91,7 @@ _MISSIONS = {
     "route": "usvjax.missions.route.mission:MISSION",
     "cruise": "usvjax.missions.cruise.mission:MISSION",
     "fleet": "usvjax.missions.fleet.mission:MISSION",
+    "aggregate": "usvjax.missions.aggregate.mission:MISSION",
 }
 
 use_all_cores()

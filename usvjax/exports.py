@@ -52,7 +52,7 @@ HOME = {
     "usvjax.missions.dwa.candidates": ("DwaCandidates", "dwa_candidates"),
     "usvjax.missions.dwa.params": ("DwaParams", "DwaStatic", "fit_window"),
     "usvjax.missions.dwa.run": ("NavigateResult", "navigate_dwa"),
-    "usvjax.missions.fleet.aggregation": ("AggregateResult", "aggregate"),
+    "usvjax.missions.aggregate.run": ("AggregateResult", "aggregate"),
     "usvjax.missions.fleet.environment": (
         "Environment",
         "FieldCurrent",

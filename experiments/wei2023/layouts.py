@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from usvjax.missions.fleet.formations import placed, slots_of
+from usvjax.missions.aggregate.formations import placed, slots_of
 from usvjax.units import NAUTICAL_MILE
 
 HEADINGS = (0.0, 60.0, 90.0)

@@ -13,7 +13,7 @@ from usvjax.study import parse_spec
 from usvjax.study.template import template, toml
 
 ROOT = Path(__file__).parents[2]
-KINDS = ["dwa", "route", "cruise", "fleet"]
+KINDS = ["dwa", "route", "cruise", "fleet", "aggregate"]
 
 
 def uncommented(text):

@@ -114,7 +114,7 @@ def assert_legend_is_what_is_drawn(fig):
 
 
 def is_map(ax):
-    return ax.get_aspect() == 1.0
+    return ax.get_aspect() == 1.0 and ax.name != "polar"
 
 
 def assert_axes_are_named(fig):

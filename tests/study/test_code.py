@@ -142,6 +142,7 @@ def test_the_facade_is_seen_through(folder):
         ("route", "usvkernels/search/astar_lanes.py", "usvkernels/dwa/window.py"),
         ("cruise", "usvkernels/planners/aco.py", "usvkernels/dwa/window.py"),
         ("fleet", "usvkernels/fleet/rules.py", "usvkernels/dwa/episodes.py"),
+        ("aggregate", "usvjax/missions/fleet/run.py", "usvkernels/dwa/episodes.py"),
     ],
 )
 def test_a_mission_is_bound_to_its_own_kernels(kind, there, not_there):

@@ -300,7 +300,7 @@ def test_combinations_are_counted_before_any_is_made(monkeypatch):
         parse_spec(toy_study(axes=axes, conditions=listed))
 
 
-@pytest.mark.parametrize("kind", ["dwa", "route", "cruise", "fleet"])
+@pytest.mark.parametrize("kind", ["dwa", "route", "cruise", "fleet", "aggregate"])
 def test_hints_know_the_keys_of_every_kind(kind):
     study = {"name": "a", "episodes": 2, "kind": kind}
     spec = parse_spec(study)
@@ -311,6 +311,7 @@ def test_hints_know_the_keys_of_every_kind(kind):
         "route": "search.weight",
         "cruise": "cruise.speed",
         "fleet": "scenes.least_tcpa",
+        "aggregate": "formation.hold_time",
     }[kind]
     with pytest.raises(BadInputError, match=f"did you mean '{elsewhere}'"):
         parse_spec({**study, elsewhere.partition(".")[2]: 3})

@@ -19,7 +19,7 @@ def init(kind: Kind, out: OutFile = None, plugin: PluginFile = None, force: Flag
     Example: usvjax init dwa --out my_dwa.toml
 
     Args:
-        kind: What an episode is: dwa, route or cruise, or the kind of a plugin.
+        kind: What an episode is: dwa, route, cruise, fleet or aggregate, or the kind of a plugin.
         out: File to write; by default it is printed.
         plugin: A file of your own that brings the kind.
         force: Overwrite a file that is there.

@@ -27,6 +27,7 @@ class Stream(IntEnum):
     STATIONS = 2
     HEADINGS = 3
     VESSELS = 4
+    CIRCLES = 5
 
 
 @pinned()

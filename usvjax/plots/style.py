@@ -67,6 +67,7 @@ STATUS_LABEL: dict[int, str] = {
     Status.UNREACHABLE: "unreachable",
     Status.OUT_OF_BUDGET: "out of budget",
     Status.BLOCKED: "blocked",
+    Status.NO_APPROACH: "no approach",
 }
 STATUS_COLOUR: dict[int, str] = {
     Status.REACHED: GREEN,
@@ -79,6 +80,7 @@ STATUS_COLOUR: dict[int, str] = {
     Status.UNREACHABLE: PURPLE,
     Status.OUT_OF_BUDGET: BLACK,
     Status.BLOCKED: VERMILLION,
+    Status.NO_APPROACH: ORANGE,
 }
 STATUS_MARKER: dict[int, str] = {
     Status.REACHED: "o",
@@ -91,6 +93,7 @@ STATUS_MARKER: dict[int, str] = {
     Status.UNREACHABLE: "s",
     Status.OUT_OF_BUDGET: "^",
     Status.BLOCKED: "X",
+    Status.NO_APPROACH: "D",
 }
 
 

@@ -13,12 +13,26 @@ _UNIT = re.compile(r"(?:, |\()((?:m|rad)(?:/s(?:\^2)?)?|s)(?=[;:,.)]|$)")
 
 
 def meanings_of(cls: type) -> dict[str, str]:
-    """What the docstring of a dataclass says of each of its fields.
+    """What the docstring of a dataclass, or of one it derives from, says of each of its fields.
 
     Raises:
         BadInputError: it says nothing of a field; names the field.
     """
-    _, _, attributes = (inspect.getdoc(cls) or "").partition("Attributes:\n")
+    found: dict[str, str] = {}
+    for kind in reversed(cls.__mro__):
+        found |= _entries(kind)
+    missing = [f.name for f in dataclasses.fields(cls) if f.name not in found]
+    if missing:
+        raise BadInputError(
+            f"{cls.__name__}: its docstring says nothing of {missing[0]!r}; wanted an entry "
+            f"under 'Attributes:'"
+        )
+    return found
+
+
+def _entries(kind: type) -> dict[str, str]:
+    """What stands under "Attributes:" in the docstring of a class itself."""
+    _, _, attributes = inspect.cleandoc(kind.__doc__ or "").partition("Attributes:\n")
     found: dict[str, str] = {}
     names: list[str] = []
     for line in attributes.splitlines():
@@ -29,12 +43,6 @@ def meanings_of(cls: type) -> dict[str, str]:
             found.update({name: f"{found[name]} {line.strip()}" for name in names})
         elif line:  # another paragraph
             break
-    missing = [f.name for f in dataclasses.fields(cls) if f.name not in found]
-    if missing:
-        raise BadInputError(
-            f"{cls.__name__}: its docstring says nothing of {missing[0]!r}; wanted an entry "
-            f"under 'Attributes:'"
-        )
     return found
 
 

@@ -4,9 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from usvjax.batches import filled
 from usvjax.mission import Metric, Outcome
-from usvjax.missions.fleet.measures import NONE, meetings
+from usvjax.missions.fleet.measures import NONE, meetings_of
 from usvjax.missions.fleet.mission import FleetMission
 
 _NOTED = (
@@ -26,14 +25,7 @@ class EncounterMission(FleetMission):
         """Sail fleets; see `Mission.run`."""
         found = super().run(scene, method, record=True)
         assert found.recording is not None
-        states: Any = found.recording.detail
-        most = max(len(own) for own in states)
-        met = meetings(
-            np.stack([filled(own, most) for own in states]),
-            scene.hulls,
-            float(scene.params.passing),
-            float(scene.params.dt),
-        )
+        met = meetings_of(found.recording.detail, scene.hulls, scene.params)
         turned = np.maximum(met.to_starboard, met.to_port)
         noted = {
             "meets": met.kind[:, 0, 1] != NONE,

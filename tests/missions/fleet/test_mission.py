@@ -14,13 +14,9 @@ import usvjax as uj
 from usvjax.errors import BadInputError
 from usvjax.mission import Replayed
 from usvjax.missions.fleet import mission
-from usvjax.missions.fleet.figures import (
-    plot_fleets,
-    plot_separations,
-    separations,
-    telling_job,
-)
+from usvjax.missions.fleet.figures import plot_separations, separations, telling_job
 from usvjax.missions.fleet.mission import MISSION
+from usvjax.missions.fleet.panels import plot_fleets
 from usvjax.missions.fleet.scenes import ENCOUNTERS, EncounterTable
 from usvjax.study import parse_spec
 from usvkernels.status import Status

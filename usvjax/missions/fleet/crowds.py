@@ -3,13 +3,13 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from usvjax.errors import BadInputError
 from usvjax.maps import GridMap
-from usvjax.maps.chart import OnChart
+from usvjax.maps.chart import OnChart, cells_where
 from usvjax.maps.discs import check_number
 from usvjax.maps.draws import in_rounds, uniform_points
 from usvjax.maps.ends import end_groups
@@ -24,11 +24,12 @@ _TRIES, _ROUNDS = 8, 200
 _DENSEST = 0.2
 """Share of the square that the circles about vessels may fill: beyond, a fleet seldom has room."""
 
-_Seen = tuple[np.ndarray, np.ndarray]
-"""Ends, moved to where they may be, and the number of their water; 0 where they may not."""
+Seen = tuple[np.ndarray, np.ndarray]
+"""Ends, moved to where they may be, and whether all those of a try serve; bool[R, n, tries]."""
 
-_Look = Callable[[np.ndarray, np.ndarray, np.ndarray], _Seen]
-"""Of rows int64[R], two uniform numbers each, and ends float64[R, ..., 2] (m) in their squares."""
+Look = Callable[[np.ndarray, np.ndarray, np.ndarray], Seen]
+"""Of rows int64[R], two uniform numbers each, and ends float64[R, n, tries, E, 2] (m) in their
+squares."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class CrowdTable:
     def check(self, params: FleetParams, where: str) -> None:
         """Raise BadInputError when a value cannot be used."""
         check_number(self.circles, float(params.obstacle_radius), where)
-        _check_crowd(self, params, where)
+        check_crowd(self, params, where)
 
     def draw(self, seed: int, jobs: np.ndarray, params: FleetParams) -> FleetScenes:
         """Return the scenes of int64[J] jobs.
@@ -61,17 +62,30 @@ class CrowdTable:
             BadInputError: a job's fleet has no room.
         """
         centres = self.size * uniform_points(seed, jobs, self.circles).astype(np.float64)
-        keep = float(params.hull_radius) + float(params.obstacle_radius) + float(params.passing)
 
-        def look(rows: np.ndarray, corner: np.ndarray, ends: np.ndarray) -> _Seen:
-            clear = np.ones(ends.shape[:-1], bool)
-            for k in range(self.circles):
-                centre = centres[rows, k].reshape(-1, *[1] * (ends.ndim - 2), 2)
-                clear &= np.hypot(*np.moveaxis(ends - centre, -1, 0)) >= keep
-            return ends, clear.astype(np.int32)
+        def look(rows: np.ndarray, corner: np.ndarray, ends: np.ndarray) -> Seen:
+            clear = clear_of(centres[rows], ends, params).all(axis=-1)
+            return ends, clear & far_enough(ends, self.least_distance)
 
-        places, goals = _crowd(seed, jobs, self, _gap(params), look)
-        return at_rest(places, goals, centres.astype(np.float32) if self.circles else None)
+        ends = crowd(seed, jobs, self, gap(params), look)
+        water = centres.astype(np.float32) if self.circles else None
+        return at_rest(ends[:, :, 0], ends[:, :, 1], water)
+
+
+def clear_of(circles: np.ndarray, ends: np.ndarray, params: FleetParams) -> np.ndarray:
+    """Whether float64[R, ..., 2] keep clear of circles float64[R, K, 2] (m); bool[R, ...]."""
+    keep = berth(params)
+    clear = np.ones(ends.shape[:-1], bool)
+    for k in range(circles.shape[1]):
+        centre = circles[:, k].reshape(-1, *[1] * (ends.ndim - 2), 2)
+        clear &= np.hypot(*np.moveaxis(ends - centre, -1, 0)) >= keep
+    return clear
+
+
+def far_enough(ends: np.ndarray, least: float) -> np.ndarray:
+    """Whether starts and goals float64[..., 2, 2] lie so far (m) from each other."""
+    way: np.ndarray = np.hypot(*np.moveaxis(ends[..., 1, :] - ends[..., 0, :], -1, 0))
+    return way >= least
 
 
 @dataclass(frozen=True)
@@ -123,10 +137,9 @@ class ChartSource(OnChart):
                 f"{where}: 'shore_distance' must be at least a hull radius and the diagonal of a "
                 f"cell, {least:g} m, got {given:g}"
             )
-        _check_crowd(self.table, params, where)
-        if not self._groups(params).any():
+        check_crowd(self.table, params, where)
+        if not self.waters(params).bodies.any():
             raise BadInputError(f"{where}: no water of {self.table.map!r} is that far off shore")
-        self.draw(0, np.arange(2), params)
 
     def draw(self, seed: int, jobs: np.ndarray, params: FleetParams) -> FleetScenes:
         """Return the scenes of int64[J] jobs.
@@ -134,28 +147,53 @@ class ChartSource(OnChart):
         Raises:
             BadInputError: a job's fleet has no room.
         """
-        groups = self._groups(params)
-        middles = np.argwhere(groups > 0)[:, ::-1]
-        limit = np.asarray(groups.shape[::-1])
+        waters = self.waters(params)
 
-        def look(rows: np.ndarray, corner: np.ndarray, ends: np.ndarray) -> _Seen:
-            at = (corner[:, 0] * len(middles)).astype(np.int64)
-            middle = self.chart.points_of(middles[at]) - self.table.size / 2
-            cells = self.chart.cells_of(ends + middle.reshape(-1, *[1] * (ends.ndim - 2), 2))
-            inside = np.all((cells >= 0) & (cells < limit), axis=-1)
-            x, y = np.moveaxis(np.clip(cells, 0, limit - 1), -1, 0)
-            return self.chart.points_of(cells), np.where(inside, groups[y, x], 0)
+        def look(rows: np.ndarray, corner: np.ndarray, ends: np.ndarray) -> Seen:
+            corners = waters.middles(corner) - self.table.size / 2
+            there, water = waters.seen(ends + corners.reshape(-1, *[1] * (ends.ndim - 2), 2))
+            fits = (water[..., 0] > 0) & (water[..., 0] == water[..., 1])
+            return there, fits & far_enough(there, self.table.least_distance)
 
-        places, goals = _crowd(seed, jobs, self.table, _gap(params), look)
-        return at_rest(places, goals, self.chart)
+        ends = crowd(seed, jobs, self.table, gap(params), look)
+        return at_rest(ends[:, :, 0], ends[:, :, 1], self.chart)
 
-    def _groups(self, params: FleetParams) -> np.ndarray:
-        """Bodies of water for this hull, int32[H, W]; 0 where no vessel starts or ends."""
+    def waters(self, params: FleetParams) -> "Waters":
+        """Where vessels of this hull start and end."""
         hull = float(params.hull_radius)
         reach = hull + self.cell_size * math.sqrt(0.5)
         given = self.table.shore_distance
         far = hull + self.cell_size * math.sqrt(2) if given is None else given
-        return _bodies(self.chart, reach, far)
+        return Waters(self.chart, _bodies(self.chart, reach, far))
+
+
+@dataclass(frozen=True)
+class Waters:
+    """Where vessels may start and end on a map.
+
+    Attributes:
+        chart: the map.
+        bodies: int32[H, W], number of the body of water; 0 where no vessel starts or ends.
+    """
+
+    chart: GridMap
+    bodies: np.ndarray
+
+    def middles(self, unit: np.ndarray) -> np.ndarray:
+        """Places float64[R, 2] (m) anywhere on the water, from two uniform numbers each."""
+        return self.chart.points_of(self._cells[(unit[:, 0] * len(self._cells)).astype(np.int64)])
+
+    @cached_property
+    def _cells(self) -> np.ndarray:
+        return cells_where(self.bodies > 0)
+
+    def seen(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Middles of the cells of places float64[..., 2] (m), and their bodies; 0 off the map."""
+        limit = np.asarray(self.bodies.shape[::-1])
+        cells = self.chart.cells_of(places)
+        inside = np.all((cells >= 0) & (cells < limit), axis=-1)
+        x, y = np.moveaxis(np.clip(cells, 0, limit - 1), -1, 0)
+        return self.chart.points_of(cells), np.where(inside, self.bodies[y, x], 0)
 
 
 @lru_cache(maxsize=4)
@@ -166,12 +204,17 @@ def _bodies(chart: GridMap, reach: float, far: float) -> np.ndarray:
     return np.where(clearance >= far, groups, 0)
 
 
-def _gap(params: FleetParams) -> float:
+def berth(params: FleetParams) -> float:
+    """Least distance from a circle's centre to a start or goal that is drawn (m)."""
+    return float(params.hull_radius) + float(params.obstacle_radius) + float(params.passing)
+
+
+def gap(params: FleetParams) -> float:
     """Least distance between two starts, or two goals, that are drawn (m)."""
     return 2.0 * float(params.hull_radius) + float(params.passing)
 
 
-def _check_crowd(table: CrowdTable | ChartTable, params: FleetParams, where: str) -> None:
+def check_crowd(table: CrowdTable | ChartTable, params: FleetParams, where: str) -> None:
     """Refuse what leaves no room for the fleet, or is over at once."""
     check_vessels(table.vessels, where)
     check_length("least_distance", table.least_distance, where)
@@ -188,45 +231,48 @@ def _check_crowd(table: CrowdTable | ChartTable, params: FleetParams, where: str
             f"{where}: 'least_distance' of {table.least_distance:g} m must be below 'size', "
             f"{table.size:g} m"
         )
-    room = _DENSEST * (table.size + _gap(params)) ** 2
-    if table.vessels * math.pi * (_gap(params) / 2) ** 2 > room:
+    room = _DENSEST * (table.size + gap(params)) ** 2
+    if table.vessels * math.pi * (gap(params) / 2) ** 2 > room:
         raise BadInputError(
-            f"{where}: {table.vessels} vessels that keep {_gap(params):g} m from one another do "
+            f"{where}: {table.vessels} vessels that keep {gap(params):g} m from one another do "
             f"not fit into a square of {table.size:g} m"
         )
 
 
-def _crowd(
-    seed: int, jobs: np.ndarray, table: CrowdTable | ChartTable, gap: float, look: _Look
-) -> tuple[np.ndarray, np.ndarray]:
-    """Draw starts and goals in a square, vessel by vessel; a fleet without room begins anew.
+def crowd(
+    seed: int,
+    jobs: np.ndarray,
+    table: CrowdTable | ChartTable,
+    keep: float,
+    look: Look,
+    count: int = 2,
+) -> np.ndarray:
+    """Draw ends in a square, vessel by vessel; a fleet without room begins anew.
 
     Args:
         seed, jobs: of the study.
-        table: vessels, edge of the square, and least distance from start to goal.
-        gap: least distance between two starts and between two goals, m.
+        table: vessels, edge of the square, and least distance, for messages.
+        keep: least distance between the same ends of two vessels, m.
         look: where ends may be.
+        count: E, ends of a vessel: a start and a goal, or a start alone.
 
     Returns:
-        float64[J, n, 2] starts and goals, m.
+        float64[J, n, E, 2], m.
 
     Raises:
         BadInputError: a job's fleet found no room.
     """
     n = table.vessels
-    placed = np.zeros((len(jobs), n, 2, 2))
+    placed = np.zeros((len(jobs), n, count, 2))
 
     def attempt(rows: np.ndarray, number: int) -> np.ndarray:
-        unit = uniforms(seed, jobs[rows], number, 2 + 4 * n * _TRIES, len(jobs))
-        inside = table.size * unit[:, 2:].reshape(-1, n, _TRIES, 2, 2)
-        ends, water = look(rows, unit[:, :2], inside)
-        way = np.hypot(*np.moveaxis(ends[..., 1, :] - ends[..., 0, :], -1, 0))
-        fits = (water[..., 0] > 0) & (water[..., 0] == water[..., 1])
-        fits &= way >= table.least_distance
-        chosen, found = np.zeros((len(rows), n, 2, 2)), np.ones(len(rows), bool)
+        unit = uniforms(seed, jobs[rows], number, 2 + 2 * count * n * _TRIES, len(jobs))
+        inside = table.size * unit[:, 2:].reshape(-1, n, _TRIES, count, 2)
+        ends, fits = look(rows, unit[:, :2], inside)
+        chosen, found = np.zeros((len(rows), n, count, 2)), np.ones(len(rows), bool)
         for i in range(n):
             apart = ends[:, i, :, None] - chosen[:, None, :i]
-            free = np.hypot(*np.moveaxis(apart, -1, 0)) >= gap
+            free = np.hypot(*np.moveaxis(apart, -1, 0)) >= keep
             serves = fits[:, i] & free.all(axis=(2, 3))
             chosen[:, i] = ends[np.arange(len(rows)), i, serves.argmax(axis=1)]
             found &= serves.any(axis=1)
@@ -236,8 +282,8 @@ def _crowd(
     left = in_rounds(len(jobs), _ROUNDS, attempt)
     if len(left):
         raise BadInputError(
-            f"no room for {n} vessels that keep {gap:g} m from one another and sail "
+            f"no room for {n} vessels that keep {keep:g} m from one another and sail "
             f"{table.least_distance:g} m in {table.size:g} m of water (job {jobs[left[0]]} found "
             f"none in {_ROUNDS} rounds)"
         )
-    return placed[:, :, 0], placed[:, :, 1]
+    return placed

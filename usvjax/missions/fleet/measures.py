@@ -4,15 +4,18 @@ Written in NumPy and double precision on recorded tracks alone: it knows nothing
 so it judges them all alike. Made for open water, where a vessel that meets nobody keeps its course.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
+from usvjax.batches import filled
 from usvjax.checks import MOST_SINGLE, any_array, float_array, positive
 from usvjax.errors import BadInputError
 from usvjax.missions.fleet.inputs import MOST_VESSELS
+from usvjax.missions.fleet.params import FleetParams
 from usvjax.public import public
 
 
@@ -50,6 +53,7 @@ class Meetings:
         kind: int, `MeetingKind` by the bearings at first sight; NONE where the two would not pass
             within the distance wanted, or hardly.
         gives_way: bool, whether i gives way to j.
+        bearing: of j off the bow of i at first sight, to port positive (rad).
         dcpa, tcpa: at first sight, between centres (m) and from then (s).
         action_time: when i first altered course or speed so that it shows (s); inf if never.
         action_dcpa, action_tcpa: then; NaN if never.
@@ -61,6 +65,7 @@ class Meetings:
 
     kind: np.ndarray
     gives_way: np.ndarray
+    bearing: np.ndarray
     dcpa: np.ndarray
     tcpa: np.ndarray
     action_time: np.ndarray
@@ -117,6 +122,21 @@ def meetings(trajectory: Any, hull_radius: Any, passing: float, dt: float) -> Me
     return Meetings(**made)
 
 
+def meetings_of(
+    states: Sequence[np.ndarray], hull_radius: np.ndarray, params: FleetParams
+) -> Meetings:
+    """As `meetings`, of records that end when their fleets do.
+
+    Args:
+        states: float64[T, n, 5] of each fleet.
+        hull_radius: float64[B, n] (m).
+        params: the distance wanted and the control period.
+    """
+    most = max(map(len, states))
+    track = np.stack([filled(own, most) for own in states])
+    return meetings(track, hull_radius, float(params.passing), float(params.dt))
+
+
 def _pair(
     own: np.ndarray, other: np.ndarray, hulls: np.ndarray, passing: float, dt: float
 ) -> dict[str, np.ndarray]:
@@ -130,9 +150,10 @@ def _pair(
     place, velocity = _relative(own[row, first], other[row, first])
     dcpa, tcpa = _approach(place, velocity)
     kind, gives = _roles(own[row, first], other[row, first], place)
+    bearing = _wrapped(np.arctan2(place[:, 1], place[:, 0]) - own[row, first, 2])
     meets = (tcpa > 0) & (dcpa < SLIGHT * (hulls + passing))
     kind, gives = np.where(meets, kind, NONE), gives & meets
-    turned = (own[..., 2] - own[row, first, 2][:, None] + np.pi) % (2 * np.pi) - np.pi
+    turned = _wrapped(own[..., 2] - own[row, first, 2][:, None])
     speed = own[..., 3] / np.maximum(own[row, first, 3], 1e-9)[:, None]
     during = (time >= first[:, None]) & (time <= closest[:, None])
     acted = during & ((np.abs(turned) > ALTERED) | (speed < 1 - SLOWED))
@@ -144,6 +165,7 @@ def _pair(
     found = {
         "kind": kind,
         "gives_way": gives,
+        "bearing": bearing,
         "dcpa": dcpa,
         "tcpa": tcpa,
         "action_time": np.where(never, np.inf, action * dt),
@@ -199,6 +221,11 @@ def _seen(track: np.ndarray) -> np.ndarray:
     """Step of [B, T, 5] from which a vessel is well under way."""
     speed = track[..., 3]
     return (speed >= UNDER_WAY * speed.max(axis=1, keepdims=True)).argmax(axis=1)
+
+
+def _wrapped(angle: np.ndarray) -> np.ndarray:
+    """The same angles in [-pi, pi) (rad)."""
+    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def _velocity(state: np.ndarray) -> np.ndarray:

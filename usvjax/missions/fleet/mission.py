@@ -4,12 +4,12 @@
 Methods are the strategies of `usvjax.missions.fleet.params.STRATEGIES`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -67,8 +67,8 @@ class FleetCase:
 
 
 @dataclass(frozen=True)
-class FleetPosed:
-    """Fleets that every strategy meets.
+class Posed:
+    """Fleets that every strategy meets, wherever they are to go.
 
     Attributes:
         scenes: where they meet.
@@ -86,22 +86,31 @@ class FleetPosed:
         hulls = np.asarray(self.params.hull_radius, np.float64)
         return np.broadcast_to(hulls, self.scenes.speeds.shape)
 
+    @property
+    def parts(self) -> list[slice]:
+        """Rows whose routes are laid in one go."""
+        count, n = self.scenes.speeds.shape
+        each = max(1, VESSELS_AT_ONCE // n)
+        return [slice(k, k + each) for k in range(0, count, each)]
+
+
+class FleetPosed(Posed):
+    """Fleets on routes of their own."""
+
     @cached_property
     def voyages(self) -> tuple[Voyage, ...]:
         """The fleets with their routes, some at a time; all strategies sail the same ones."""
-        count, n = self.scenes.speeds.shape
-        each = max(1, VESSELS_AT_ONCE // n)
-        return tuple(self._packed(slice(k, k + each)) for k in range(0, count, each))
+        return tuple(self._packed(rows) for rows in self.parts)
 
     def _packed(self, rows: slice) -> Voyage:
-        scenes, water = self.scenes, self.scenes.water
+        scenes = self.scenes
         own = {
             name: value[rows]
             for name, value in vars(self.params).items()
             if isinstance(value, np.ndarray)
         }
         return pack(
-            water[rows] if isinstance(water, np.ndarray) else water,
+            scenes.water_of(rows),
             scenes.starts[rows],
             scenes.goals[rows],
             None,
@@ -148,7 +157,7 @@ class FleetMission:
         Metric("arrived", "", "Vessels arrived (share)", summarised=False, counted=True),
         Metric("steps", "", "Steps", integer=True, summarised=False),
     )
-    endings = FLEET_ENDINGS
+    endings: tuple[Status, ...] = FLEET_ENDINGS
 
     def case(self, tables: Mapping[str, Mapping[str, Any]], files: Files) -> Case:
         """Check one condition; see `Mission.case`."""
@@ -156,10 +165,7 @@ class FleetMission:
         scenes, source, inputs = read_maps(
             tables["scenes"], self.tables["scenes"], opened, files.folder, place, files.kept
         )
-        params = read_table(FleetParams, tables["params"], files.table("params"))
-        static = read_table(FleetStatic, tables["static"], files.table("static"))
-        with saying_where(files.where):
-            check_params(params, static, (1, 1))
+        params, static = read_numbers(FleetParams, FleetStatic, tables, files)
         source.check(params, place)
         given = FleetCase(source, params, static)
         with saying_where(place):
@@ -167,17 +173,18 @@ class FleetMission:
         in_force = {"scenes": scenes, "params": asdict(params), "static": asdict(static)}
         return Case(in_force, inputs, given, source.most_jobs)
 
-    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> FleetPosed:
+    def pose(self, case: Case, seed: int, jobs: np.ndarray) -> Posed:
         """Draw fleets; see `Mission.pose`."""
         return _posed(case.given, seed, jobs)
 
-    def run(self, scene: FleetPosed, method: str, record: bool = False) -> Outcome:
+    def run(self, scene: Any, method: str, record: bool = False) -> Outcome:
         """Sail fleets; see `Mission.run`."""
         parts = [(v, sail(v, scene.static, method, record)) for v in scene.voyages]
         columns = [_columns(found, voyage) for voyage, found in parts]
         whole = {name: np.concatenate([part[name] for part in columns]) for name in columns[0]}
         results = [found for _, found in parts]
-        return Outcome(whole, _recorded(scene, results) if record else None)
+        recording = recorded(scene, results, {"goal": scene.scenes.goals}) if record else None
+        return Outcome(whole, recording)
 
     def example(self, rows: Any, methods: list[str]) -> tuple[int, str]:
         """The fleet to show; see `Mission.example`."""
@@ -210,6 +217,21 @@ def opened(
     if isinstance(table, ChartTable):
         return on_chart(table, ChartSource, folder, where)
     return Opened(table, table)
+
+
+P = TypeVar("P", bound=FleetParams)
+S = TypeVar("S", bound=FleetStatic)
+
+
+def read_numbers(
+    params: type[P], static: type[S], tables: Mapping[str, Mapping[str, Any]], files: Files
+) -> tuple[P, S]:
+    """Read and check `[params]` and `[static]` of a condition, as of these classes."""
+    numbers = read_table(params, tables["params"], files.table("params"))
+    choices = read_table(static, tables["static"], files.table("static"))
+    with saying_where(files.where):
+        check_params(numbers, choices, (1, 1))
+    return numbers, choices
 
 
 def _posed(given: FleetCase, seed: int, jobs: np.ndarray) -> FleetPosed:
@@ -254,8 +276,16 @@ def _columns(found: FleetResult, voyage: Voyage) -> dict[str, np.ndarray]:
     }
 
 
-def _recorded(scene: FleetPosed, results: list[FleetResult]) -> Recording:
-    """The tracks; the detail is float64[T, n, 5] of each fleet, as `FleetResult.trajectory`."""
+def recorded(
+    scene: Posed, results: Sequence[FleetResult], ends: Mapping[str, np.ndarray]
+) -> Recording:
+    """The tracks; the detail is float64[T, n, 5] of each fleet, as `FleetResult.trajectory`.
+
+    Args:
+        scene: what was posed.
+        results: of its parts.
+        ends: where vessels were to go, float64[J, n, 2] (m), by what that is called.
+    """
     grounds: list[Ground] = []
     tracks: list[Track] = []
     states: list[np.ndarray] = []
@@ -264,7 +294,8 @@ def _recorded(scene: FleetPosed, results: list[FleetResult]) -> Recording:
         assert found.trajectory is not None
         for steps, track in zip(found.steps, found.trajectory, strict=True):
             row = len(tracks)
-            marks = {"start": scene.scenes.starts[row, :, :2], "goal": scene.scenes.goals[row]}
+            marks = {"start": scene.scenes.starts[row, :, :2]}
+            marks |= {name: places[row] for name, places in ends.items()}
             circles = scene.scenes.circles(row)
             grounds.append(Ground(scene.scenes.grid_map, circles, radius, marks))
             states.append(track[: steps + 1].astype(np.float64))

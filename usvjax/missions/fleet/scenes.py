@@ -56,6 +56,10 @@ class FleetScenes:
             return self.water[row].astype(np.float64)
         return np.empty((0, 2))
 
+    def water_of(self, rows: slice) -> np.ndarray | GridMap | None:
+        """The water of some episodes, as `navigate` takes it."""
+        return self.water[rows] if isinstance(self.water, np.ndarray) else self.water
+
     @property
     def grid_map(self) -> GridMap | None:
         """The shared map, or None."""
@@ -194,10 +198,15 @@ class SwapTable:
 
 
 def uniforms(
-    seed: int, jobs: np.ndarray, number: int, count: int, size: int | None = None
+    seed: int,
+    jobs: np.ndarray,
+    number: int,
+    count: int,
+    size: int | None = None,
+    stream: Stream = Stream.VESSELS,
 ) -> np.ndarray:
     """Uniform numbers in (0, 1), float64[J, count], of one round; arguments as of `round_bits`."""
-    drawn = round_bits(seed, jobs, Stream.VESSELS, number, count, size or len(jobs))
+    drawn = round_bits(seed, jobs, stream, number, count, size or len(jobs))
     return (np.asarray(drawn, np.float64).reshape(-1, count) + 0.5) / 2**32
 
 

@@ -6,27 +6,23 @@ from typing import Any
 import numpy as np
 
 from usvjax.checks import any_array, float_array, not_negative, one_of
+from usvjax.missions.aggregate.formations import (
+    assigned,
+    check_spacing,
+    check_tight,
+    placed,
+    slots_of,
+)
+from usvjax.missions.aggregate.params import AggregateParams, AggregateStatic
+from usvjax.missions.aggregate.rounding import ways_round
 from usvjax.missions.fleet.environment import Environment
-from usvjax.missions.fleet.formations import assigned, check_spacing, check_tight, placed, slots_of
-from usvjax.missions.fleet.inputs import pack, presence, start_places
+from usvjax.missions.fleet.inputs import Voyage, pack, presence, start_places
 from usvjax.missions.fleet.params import STRATEGIES, FleetParams, FleetStatic, check_params
-from usvjax.missions.fleet.rounding import ways_round
 from usvjax.missions.fleet.run import FleetResult, sail
 from usvjax.paths.inputs import MOST_COORDINATE
 from usvjax.public import public
 from usvkernels.fleet.state import ABSENT
 from usvkernels.status import Status
-
-GOAL_TOLERANCE = 10.0
-"""m from its slot, within which a vessel stops; not printed."""
-
-LIVELOCK_TIME = 1800.0
-"""s that a vessel may come no further along its route: where all meet, many have to come back."""
-
-MOST_STEPS = 7200
-"""Default bound on the steps of an episode."""
-
-_DEFAULTS = FleetParams(goal_tolerance=GOAL_TOLERANCE, livelock_time=LIVELOCK_TIME)
 
 ROOM = 1.5
 """Default spacing, in distances at which hulls pass each other."""
@@ -96,30 +92,73 @@ def aggregate(
         BadTypeError, BadInputError: as `navigate`; a formation tighter than the hulls, with fewer
             slots than vessels, or with a slot in an obstacle.
     """
-    params = _DEFAULTS if params is None else params
-    static = FleetStatic(max_steps=MOST_STEPS) if static is None else static
+    static = AggregateStatic() if static is None else static
     one_of("encounters", encounters, STRATEGIES)
+    mustered = muster(
+        scene,
+        starts,
+        centre,
+        heading,
+        formation,
+        spacing,
+        assignment,
+        hold_time,
+        valid,
+        environment,
+        AggregateParams() if params is None else params,
+        static,
+    )
+    return gather(mustered, static, encounters, record)
+
+
+@dataclass(frozen=True)
+class Muster:
+    """Checked fleets that are to gather.
+
+    Attributes:
+        voyage: their ways to the slots.
+        slot: int32[B, n], which each vessel takes.
+        slots: float64[B, n, 2], the places of those (m).
+        hold_time: that every vessel is to hold its slot for (s).
+    """
+
+    voyage: Voyage
+    slot: np.ndarray
+    slots: np.ndarray
+    hold_time: float
+
+
+def muster(
+    scene: Any,
+    starts: Any,
+    centre: Any,
+    heading: Any,
+    formation: Any,
+    spacing: float | None,
+    assignment: str,
+    hold_time: float,
+    valid: Any,
+    environment: Environment | None,
+    params: FleetParams,
+    static: FleetStatic,
+) -> Muster:
+    """Check and pack the fleets of `aggregate`, whose docstring says what is what."""
     start = start_places(starts)
     fleets, n = start.shape[:2]
     present = presence(valid, (fleets, n))
     params = check_params(params, static, (fleets, n))
-    centres = _of_fleets("centre", centre, fleets, (2,))
-    headings = _of_fleets("heading", heading, fleets, ())
+    centres = of_fleets("centre", centre, fleets, (2,))
+    headings = of_fleets("heading", heading, fleets, ())
     hold_time = not_negative("hold_time", hold_time)
-    hull = np.broadcast_to(params.hull_radius, (fleets, n))
-    room = 2 * hull.max(axis=1) + np.broadcast_to(params.passing, (fleets, n)).max(axis=1)
-    spacings = ROOM * room if spacing is None else np.full(fleets, check_spacing(spacing))
-    slots = slots_of(formation, n, spacings)
-    check_tight(slots, hull)
+    slots, room = local_slots(formation, spacing, params, (fleets, n))
     there = placed(slots, centres, headings)
     slot = assigned(assignment, start[..., :2], there, present)
     goals = np.take_along_axis(there, slot[..., None].astype(np.int64), axis=1)
-    on_heading = np.repeat(headings[:, None], n, axis=1)
     voyage = pack(
         scene,
         start,
         goals,
-        on_heading,
+        np.repeat(headings[:, None], n, axis=1),
         present,
         None,
         None,
@@ -129,37 +168,62 @@ def aggregate(
         ends="slots",
         via=ways_round(start[..., :2], slots, slot, centres, headings, room, static.guide_length),
     )
-    found = sail(voyage, static, encounters, record)
-    return _formed(found, slot, goals, hold_time, params.heading_tolerance)
+    return Muster(voyage, slot, goals, hold_time)
 
 
-def _of_fleets(name: str, value: Any, fleets: int, shape: tuple[int, ...]) -> np.ndarray:
+def local_slots(
+    formation: Any, spacing: float | None, params: FleetParams, shape: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Slots that hulls fit into, and the room that passing vessels keep.
+
+    Args:
+        formation, spacing: as of `aggregate`.
+        params: of the fleets, checked.
+        shape: (B, n).
+
+    Returns:
+        float64[B, S, 2], m ahead of the centre and to port; float64[B], between centres (m).
+    """
+    fleets, n = shape
+    hull = np.broadcast_to(params.hull_radius, shape)
+    room = 2 * hull.max(axis=1) + np.broadcast_to(params.passing, shape).max(axis=1)
+    spacings = ROOM * room if spacing is None else np.full(fleets, check_spacing(spacing))
+    slots = slots_of(formation, n, spacings)
+    check_tight(slots, hull)
+    return slots, room
+
+
+def gather(
+    mustered: Muster, static: FleetStatic, encounters: str, record: bool = False
+) -> AggregateResult:
+    """Let fleets gather that were checked.
+
+    Args:
+        mustered, static: what `muster` was given, and made of it.
+        encounters, record: as of `aggregate`.
+    """
+    found = sail(mustered.voyage, static, encounters, record)
+    absent = found.vessel_status == ABSENT
+    aligned = found.heading_error <= mustered.voyage.params.heading_tolerance
+    holds = (found.vessel_status == int(Status.REACHED)) & aligned
+    formed = np.all(holds | absent, axis=1)
+    # Who has arrived brakes: it holds its slot from the step in which it stops.
+    at_rest = np.where(absent, 0.0, found.rest_time).max(axis=1)
+    off = np.linalg.norm(found.final[..., :2] - mustered.slots, axis=-1)
+    own = {f.name: getattr(found, f.name) for f in fields(FleetResult)}
+    return AggregateResult(
+        **own,
+        formed=formed,
+        formed_time=np.where(formed, at_rest + mustered.hold_time, np.inf).astype(np.float32),
+        slot=mustered.slot,
+        formation_error=np.where(absent, 0.0, off).max(axis=1).astype(np.float32),
+        slots=mustered.slots,
+    )
+
+
+def of_fleets(name: str, value: Any, fleets: int, shape: tuple[int, ...]) -> np.ndarray:
     """One of a kind for each fleet, [B, ...]; given once, or for each."""
     array = any_array(name, value, f"numbers for all {fleets} fleets, or for each")
     each = () if array.ndim == len(shape) else (fleets,)
     checked = float_array(name, array, (*each, *shape), MOST_COORDINATE)
     return np.broadcast_to(checked, (fleets, *shape))
-
-
-def _formed(
-    found: FleetResult,
-    slot: np.ndarray,
-    goals: np.ndarray,
-    hold_time: float,
-    tolerance: Any,
-) -> AggregateResult:
-    absent = found.vessel_status == ABSENT
-    holds = (found.vessel_status == int(Status.REACHED)) & (found.heading_error <= tolerance)
-    formed = np.all(holds | absent, axis=1)
-    # Who has arrived brakes: it holds its slot from the step in which it stops.
-    at_rest = np.where(absent, 0.0, found.rest_time).max(axis=1)
-    off = np.linalg.norm(found.final[..., :2] - goals, axis=-1)
-    own = {f.name: getattr(found, f.name) for f in fields(FleetResult)}
-    return AggregateResult(
-        **own,
-        formed=formed,
-        formed_time=np.where(formed, at_rest + hold_time, np.inf).astype(np.float32),
-        slot=slot,
-        formation_error=np.where(absent, 0.0, off).max(axis=1).astype(np.float32),
-        slots=goals,
-    )

@@ -1,0 +1,1 @@
+"""Aggregation: fleets gather in a formation on a common heading."""
