@@ -1,7 +1,7 @@
 """The heading at the end of a voyage: Figs. 5 and 9 to 12 of Wei & Zhang 2023."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -42,10 +42,12 @@ class Reading:
     Attributes:
         obstacles: between start and goal.
         look_ahead: nm, of the guidance point.
+        clearance: as of `FleetStatic`.
     """
 
     obstacles: int
     look_ahead: float
+    clearance: str = "guide"
 
 
 READINGS = {
@@ -53,6 +55,9 @@ READINGS = {
     "open water, look-ahead 0.125 nm": Reading(0, 0.125),
     "open water, look-ahead 0.5 nm": Reading(0, 0.5),
     f"{OBSTACLES} obstacles, look-ahead 0.25 nm": Reading(OBSTACLES, 0.25),
+    f"{OBSTACLES} obstacles, look-ahead 0.25 nm, dist as printed": Reading(
+        OBSTACLES, 0.25, "printed"
+    ),
 }
 
 
@@ -101,8 +106,8 @@ def _sailed(count: int, advance: Callable[[int], object]) -> dict[str, Any]:
         "ways": float[B] by distance; "guided": by reading, then length, 0 for none.
     """
 
-    def errors(own: Voyages, asked: np.ndarray, guide: float, look_ahead: float) -> np.ndarray:
-        found = _sail(own, guide, look_ahead)
+    def errors(own: Voyages, asked: np.ndarray, guide: float, by: Reading) -> np.ndarray:
+        found = _sail(own, guide, by)
         advance(count)
         off = (found.final[:, 0, 2] - asked[:, 0] + np.pi) % (2 * np.pi) - np.pi
         return np.where(found.status == int(Status.REACHED), np.degrees(np.abs(off)), np.nan)
@@ -112,22 +117,23 @@ def _sailed(count: int, advance: Callable[[int], object]) -> dict[str, Any]:
         ways = {}
         for way in WAYS:
             own = voyages(count, way)
-            ways[f"{way:g}"] = errors(own, np.arctan2(*own.goals[..., ::-1].T).T, 0.0, 0.25)
+            ways[f"{way:g}"] = errors(
+                own, np.arctan2(*own.goals[..., ::-1].T).T, 0.0, Reading(0, 0.25)
+            )
         guided: dict[str, dict[str, np.ndarray]] = {}
         for words, reading in READINGS.items():
             own = voyages(count, WAY, reading.obstacles)
             guided[words] = {
-                f"{guide:g}": errors(own, own.headings, guide, reading.look_ahead)
-                for guide in (0.0, *LENGTHS)
+                f"{guide:g}": errors(own, own.headings, guide, reading) for guide in (0.0, *LENGTHS)
             }
     return {"ways": ways, "guided": guided}
 
 
-def _sail(own: Voyages, guide: float, look_ahead: float) -> FleetResult:
+def _sail(own: Voyages, guide: float, by: Reading) -> FleetResult:
     """Sail by a guide segment of so many nm, without a heading for 0."""
-    sizes = {"look_ahead": look_ahead * NAUTICAL_MILE}
+    static = uj.FleetStatic(look_ahead=by.look_ahead * NAUTICAL_MILE, clearance=by.clearance)
     if guide:
-        sizes["guide_length"] = guide * NAUTICAL_MILE
+        static = replace(static, guide_length=guide * NAUTICAL_MILE)
     return navigate(
         own.circles,
         own.starts,
@@ -136,7 +142,7 @@ def _sail(own: Voyages, guide: float, look_ahead: float) -> FleetResult:
         encounters="none",
         # Who arrives has arrived, on whatever heading: going around is ours, not the paper's.
         params=uj.FleetParams(heading_tolerance=np.pi),
-        static=uj.FleetStatic(**sizes),
+        static=static,
     )
 
 

@@ -22,13 +22,13 @@ register_mission(KIND, "experiments.wei2023.encounters.mission:MISSION")
 SEED = 2023
 SHARD = 834
 """Episodes; the sizes below are such that studies have calls of few sizes, each compiled anew."""
-EACH, QUICK_EACH = 4 * SHARD, 60
+EACH = 4 * SHARD
 """Random encounters of each type."""
-WATCHED, QUICK_WATCHED = 700, 60
+WATCHED = 700
 """So many of each type are recorded and judged by the rules."""
-CLOSE, QUICK_CLOSE = SHARD, 60
+CLOSE = SHARD
 """Encounters for each least time of first sight, of any type."""
-DUELS, QUICK_DUELS = 100, 60
+DUELS = 100
 """Encounters of each kind on a collision course."""
 
 SIGHTS = (180, 120, 90, 60, 45, 30, 15)
@@ -64,18 +64,21 @@ as coordination and the rules have nobody to agree with."""
 EQUALS = {"first": "the first goes", "both_yield": "both yield"}
 THRESHOLDS = (0.25, 0.5, 1.0)
 """nm, between guidance points that meet."""
+CLEARANCES = {"guide": "", "printed": ", dist as printed"}
+"""How far clearance scores, as of `FleetStatic`; the first is ours."""
 
 
-def reading(equal: str, miles: float) -> str:
+def reading(equal: str, miles: float, clearance: str = "guide") -> str:
     """Words for a way to read the coordination."""
-    return f"equal angles: {EQUALS[equal]}, {miles:g} nm"
+    return f"equal angles: {EQUALS[equal]}, {miles:g} nm{CLEARANCES[clearance]}"
 
 
 READINGS: dict[str, dict[str, Any]] = {
-    reading(equal, miles): {
-        "static": {"equal": equal},
+    reading(equal, miles, clearance): {
+        "static": {"equal": equal, "clearance": clearance},
         "params": {"threshold": miles * NAUTICAL_MILE},
     }
+    for clearance in CLEARANCES
     for equal in EQUALS
     for miles in THRESHOLDS
 }
@@ -88,10 +91,6 @@ def label(scene: str, words: str) -> str:
 
 def runs(options: Any) -> dict[str, Run]:
     """All encounters by every strategy."""
-
-    def size(full: int, quick: int) -> int:
-        return quick if options.quick else full
-
     kinds = {kind: {"scenes": {"encounter": kind}} for kind in ENCOUNTERS}
     sights = {
         f"{least} s": {
@@ -105,14 +104,13 @@ def runs(options: Any) -> dict[str, Run]:
         for name, scene in DUEL_SCENES.items()
         for words, own in READINGS.items()
     }
-    few = size(DUELS, QUICK_DUELS)
     others = [name for name in STRATEGIES if name != "wei2023"]
     return {
-        "kinds": _study("kinds", "fleet", kinds, size(EACH, QUICK_EACH)),
-        "watched": _study("watched", KIND, kinds, size(WATCHED, QUICK_WATCHED)),
-        "sights": _study("sights", "fleet", sights, size(CLOSE, QUICK_CLOSE)),
-        "duels": _study("duels", KIND, duels, few, others),
-        "readings": _study("readings", KIND, readings, few, ["wei2023"]),
+        "kinds": _study("kinds", "fleet", kinds, EACH),
+        "watched": _study("watched", KIND, kinds, WATCHED),
+        "sights": _study("sights", "fleet", sights, CLOSE),
+        "duels": _study("duels", KIND, duels, DUELS, others),
+        "readings": _study("readings", KIND, readings, DUELS, ["wei2023"]),
         "imazu": Call(_imazu, (len(STRATEGIES) + len(ALONE)) * len(HEADINGS)),
     }
 

@@ -30,6 +30,7 @@ class Passage:
     livelock_time: Scalar  # s
     unit_length: Scalar  # m, between path points
     model: str = field(metadata=STATIC)  # a name of `models.MODELS`
+    clearance: str = field(metadata=STATIC)  # a name of `steering.CLEARANCES`
     max_steps: int = field(metadata=STATIC)
     strides: int = field(metadata=STATIC)  # path points that a vessel may pass in a step
 

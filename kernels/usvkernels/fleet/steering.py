@@ -41,6 +41,10 @@ control it cannot follow the curve of all of it."""
 TURNING = 0.1
 """Of that speed, and of what it looks along, what a vessel keeps to turn with."""
 
+CLEARANCES = ("guide", "printed")
+"""How far clearance scores, and a course is looked along: see `_room` and `_lasting`; or up to the
+cap, and as far as to the guidance point, however a vessel lies."""
+
 CLOSING = 0.35
 """Of the way left to its goal, how far ahead on its guide segment a vessel steers for: what it is
 off the line shrinks with the way left to the power of 1 / 0.35, and its angle with it."""
@@ -189,8 +193,10 @@ def _by_window(
         objective,
         # What a guide segment keeps from obstacles is enough: who shied would arrive askew.
         clearance_weight=jnp.where(vessels.led, 0.0, objective.clearance_weight),
-        clearance_cap=jnp.minimum(_room(settings, vessels, obstacles), objective.clearance_cap),
     )
+    if settings.passage.clearance == "guide":
+        room = jnp.minimum(_room(settings, vessels, obstacles), objective.clearance_cap)
+        asked_for = replace(asked_for, clearance_cap=room)
     asked = Asked(able, sampling, asked_for, fleet.reals[:5], jnp.stack(goal))
     course = _lasting(settings, fleet, vessels, orders, ahead)
     command = decide_all(
@@ -210,6 +216,8 @@ def _lasting(
     towards it does not sail what its candidates look along. At least until the vessel has stopped.
     """
     vessel, turning = settings.vessel, settings.vessel.dt * settings.sampling.horizon
+    if settings.passage.clearance == "printed":
+        return ahead / jnp.maximum(vessels.made_good, 1e-3)
     facing = jnp.clip(dot(vessels.bow, orders.course), TURNING, 1.0)
     whole = facing * ahead / jnp.maximum(vessels.made_good, 1e-3)
     stopping = (fleet.reals[3] + vessel.v_acc * vessel.dt) / vessel.v_dec

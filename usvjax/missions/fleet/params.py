@@ -24,6 +24,7 @@ from usvkernels.fleet import wei2023
 from usvkernels.fleet.environment import Environment
 from usvkernels.fleet.models import LONGEST_SUBSTEP, MODELS, SUBSTEPS, top_speed
 from usvkernels.fleet.params import Encounters, Passage, Settings
+from usvkernels.fleet.steering import CLEARANCES
 
 DEGREE = np.pi / 180  # rad
 
@@ -109,6 +110,9 @@ class FleetStatic:
         model: of the vessels' motion: "unicycle", which takes commands on at once, or "otter"
             (surge, sway and yaw; Fossen's Otter), which has them for set points; see
             `usvkernels.fleet.models`. Wind moves the first by its leeway, the other by its force.
+        clearance: how much of it scores: "guide", up to what the guidance point itself is clear of
+            obstacles at rest by, with a course that is looked along less, the more that point is
+            off the bow; or "printed", up to `clearance_cap`, looked along all the way.
         equal: for "wei2023", who goes first at equal outboard angles ("first": of the fleet;
             "both_yield").
         ring: for "wei2023", who goes where each yields to another ("all_yield": nobody;
@@ -124,6 +128,7 @@ class FleetStatic:
     guide_length: float = 1.0 * NAUTICAL_MILE
     cell_size: float | None = None
     model: str = "unicycle"
+    clearance: str = "guide"
     equal: str = "first"
     ring: str = "all_yield"
 
@@ -181,6 +186,7 @@ def split(
         livelock_time=p.livelock_time,
         unit_length=static.unit_length,
         model=static.model,
+        clearance=static.clearance,
         max_steps=static.max_steps,
         strides=strides(params, static),
     )
@@ -203,7 +209,12 @@ def strides(params: FleetParams, static: FleetStatic) -> int:
     return 1 << max(0, int(np.ceil(np.log2(max(passed, 1.0)))))
 
 
-_CHOICES = {"model": tuple(MODELS), "equal": tuple(wei2023.EQUAL), "ring": tuple(wei2023.RING)}
+_CHOICES = {
+    "model": tuple(MODELS),
+    "clearance": CLEARANCES,
+    "equal": tuple(wei2023.EQUAL),
+    "ring": tuple(wei2023.RING),
+}
 _NOT_NEGATIVE = ("passing", "stuck_distance", "hull_radius", "leeway", "obstacle_radius")
 _ANY = ("heading_weight", "clearance_weight", "velocity_weight")
 _AT_MOST = {"v_max": MOST_SPEED, "hull_radius": MOST_REMOTE, "obstacle_radius": MOST_REMOTE}
