@@ -26,7 +26,7 @@ from benchmarks.timing import seconds_of, spread
 from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices, usable_cores
 from usvkernels.fleet import orca
 from usvkernels.fleet.params import Encounters
-from usvkernels.fleet.sight import Vessels
+from usvkernels.fleet.sight import Obstacles, Vessels
 
 TITLE = "Reciprocal velocities, agent-steps per second"
 
@@ -125,16 +125,19 @@ def _choose(place: jax.Array, velocity: jax.Array, wanted: jax.Array) -> jax.Arr
         place=(place[0], place[1]),
         bow=(course[0], course[1]),
         velocity=(velocity[0], velocity[1]),
+        drift=None,
         course=(course[0], course[1]),
         guide=(still, still),
+        led=~everyone,
         goal=(still, still),
         speed=still + c.speed,
+        made_good=still + c.speed,
         hull=still + c.radius,
         arrival=still,
         under_way=everyone,
         present=everyone,
     )
-    none = jnp.zeros((2, 0, 1, place.shape[2]), place.dtype)
+    none = Obstacles(jnp.zeros((2, 0, 1, place.shape[2]), place.dtype), None)
     return jnp.stack(orca.meet(how, vessels, none, still + c.radius, c.dt))
 
 

@@ -290,6 +290,7 @@ _LOOKS = (
     style.Look(style.VERMILLION, "--", "s"),
     style.Look(style.GREEN, "-.", "^"),
     style.Look(style.BLACK, ":", "D"),
+    style.Look(style.ORANGE, "-", "v"),
 )
 
 
@@ -301,7 +302,7 @@ def length_figure(guided: Mapping[str, Any]) -> Figure:
     at = np.array(LENGTHS)
     for k, ((_, table), look) in enumerate(zip(guided.items(), _LOOKS, strict=True)):
         errors = [table["lengths"][f"{length:g}"]["error"] for length in LENGTHS]
-        draw_bars(ax, at * 1.015 ** (k - 1.5), errors, look)
+        draw_bars(ax, at * 1.015 ** (k - 2), errors, look)
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_xticks(at, [f"{one:g}" for one in at])

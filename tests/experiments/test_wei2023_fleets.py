@@ -182,3 +182,7 @@ def test_longer_is_better_only_if_every_step_is(longer, verdict):
 def test_errors_are_compared_over_voyages_that_arrive_both_ways():
     found = headings._longer({"1": np.array([9.0, np.nan, 4.0]), "2": np.array([5.0, 1.0, 2.0])})
     assert found["1 to 2"]["value"] == -3.0
+
+
+def test_every_reading_of_a_length_has_a_line_of_its_own():
+    assert len(set(headings._LOOKS)) == len(headings._LOOKS) == len(headings.READINGS)
