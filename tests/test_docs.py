@@ -36,9 +36,12 @@ def test_the_page_on_fleets_runs(one_device):
     names = {}
     for block in blocks(page, "python"):
         exec(block, names)
-    assert (names["r"].status == uj.Status.REACHED).all()
+        assert (names["r"].status == uj.Status.REACHED).all(), block
     assert names["a"].formed.all()
-    (study,) = blocks(page, "toml")
+
+
+def test_the_study_of_the_page_on_fleets_is_one():
+    (study,) = blocks(ROOT / "docs" / "fleets.md", "toml")
     assert len(parse_spec(tomllib.loads(study)).conditions) == 2
 
 

@@ -47,7 +47,7 @@ def test_verdicts_are_those_of_the_shares():
     every, none = made(np.ones(450, bool)), made(np.zeros(450, bool))
     third = made(np.arange(450) % 3 > 0)  # nobody on the first heading
     threes = {words: every for words in aggregation.READINGS | aggregation.OTHERS}
-    fleets = {f"{how}, {n}": none for how, n in aggregation.LARGE}
+    fleets = {f"{how}, {n}": none | {"pace": np.array(0.1)} for how, n in aggregation.LARGE}
 
     def verdicts(**changed):
         gathered = {"threes": threes | changed, "fleets": fleets}

@@ -78,12 +78,21 @@ def _near(asked: Asked, traffic: Traffic) -> tuple[Array, Array]:
     fastest = jnp.minimum(gained, jnp.maximum(vessel.v_max, speed)) + asked.sampling.v_step
     turning = vessel.dt * asked.sampling.horizon
     off = fastest * turning * bulge(vessel.w_max * turning) + MARGIN
+    # Where nothing is clear, the room to a collision decides: of the circle that is too close it is
+    # less than this.
+    off += jnp.maximum(*(_most_room(kind) for kind in traffic[:2]))
     stopping = jnp.minimum(traffic.course, fastest / vessel.v_dec)
     cap = asked.objective.clearance_cap
     return (
         _comes_near(traffic.weighing, fastest, turning + traffic.course, off + cap),
         _comes_near(traffic.others, fastest, turning + stopping, off),
     )
+
+
+def _most_room(circles: Circles) -> Array:
+    """Most that any circle keeps beyond its touch, float[vessels] (m)."""
+    *_, reach, touch = circles.rows
+    return jnp.max(reach - touch, axis=0, initial=0.0)
 
 
 def _comes_near(circles: Circles, fastest: Array, lasts: Array, off: Array) -> Array:

@@ -118,7 +118,10 @@ def _step(jobs: Jobs, settings: Settings, fleet: Fleet) -> Fleet:
     obstacles = _sensed(jobs.chart, settings, fleet)
     vessels = steering.sight(jobs.routes, settings, fleet)
     orders, held, roles, altered = steering.meet(settings, fleet, vessels, obstacles)
-    command = steering.command(settings, fleet, vessels, orders, obstacles)
+    beside = obstacles
+    if jobs.chart is not None:
+        beside = Obstacles(near(jobs.chart, *vessels.guide), None)
+    command = steering.command(settings, fleet, vessels, orders, obstacles, beside)
     moved = _moved(settings, fleet, command, vessels.drift)
     held = held | fleet.returns
     index = guidance.advanced(

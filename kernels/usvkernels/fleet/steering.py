@@ -144,13 +144,24 @@ def meet(
 
 
 def command(
-    settings: Settings, fleet: Fleet, vessels: Vessels, orders: Orders, obstacles: Obstacles
+    settings: Settings,
+    fleet: Fleet,
+    vessels: Vessels,
+    orders: Orders,
+    obstacles: Obstacles,
+    beside: Obstacles,
 ) -> Command:
-    """Speed (m/s) and yaw rate (rad/s) of each vessel, [n, lanes]."""
+    """Speed (m/s) and yaw rate (rad/s) of each vessel, [n, lanes].
+
+    Args:
+        settings, fleet, vessels, orders: what there is.
+        obstacles: what vessels sense.
+        beside: what lies about their guidance points.
+    """
     if settings.encounters.strategy == "orca":
         chosen = _reciprocal(settings, fleet, vessels, obstacles)
     else:
-        chosen = _by_window(settings, fleet, vessels, orders, obstacles)
+        chosen = _by_window(settings, fleet, vessels, orders, obstacles, beside)
     v, w = fleet.reals[3], jnp.zeros_like(fleet.reals[4])
     slowing = jnp.maximum(v - settings.vessel.v_dec * settings.vessel.dt, 0.0)
     under_way = vessels.under_way
@@ -176,7 +187,12 @@ def _reciprocal(
 
 
 def _by_window(
-    settings: Settings, fleet: Fleet, vessels: Vessels, orders: Orders, obstacles: Obstacles
+    settings: Settings,
+    fleet: Fleet,
+    vessels: Vessels,
+    orders: Orders,
+    obstacles: Obstacles,
+    beside: Obstacles,
 ) -> Command:
     """What the dynamic window chooses under the orders."""
     vessel, sampling, objective = settings.vessel, settings.sampling, settings.objective
@@ -195,7 +211,7 @@ def _by_window(
         clearance_weight=jnp.where(vessels.led, 0.0, objective.clearance_weight),
     )
     if settings.passage.clearance == "guide":
-        room = jnp.minimum(_room(settings, vessels, obstacles), objective.clearance_cap)
+        room = jnp.minimum(_room(settings, vessels, beside), objective.clearance_cap)
         asked_for = replace(asked_for, clearance_cap=room)
     asked = Asked(able, sampling, asked_for, fleet.reals[:5], jnp.stack(goal))
     course = _lasting(settings, fleet, vessels, orders, ahead)
@@ -224,13 +240,13 @@ def _lasting(
     return jnp.maximum(whole - turning, stopping)
 
 
-def _room(settings: Settings, vessels: Vessels, obstacles: Obstacles) -> Array:
+def _room(settings: Settings, vessels: Vessels, beside: Obstacles) -> Array:
     """What guidance points are clear of obstacles at rest by, [n, lanes], 0 or more (m).
 
     No candidate needs to be clearer than the place it is steered for: who shied from what lies
     beside its route would circle about it.
     """
-    centre, velocity = obstacles
+    centre, velocity = beside
     if velocity is not None:
         centre = jnp.where(jnp.any(velocity != 0.0, axis=0), FAR, centre)
     still = jnp.zeros_like(vessels.hull)

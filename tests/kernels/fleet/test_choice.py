@@ -140,14 +140,14 @@ def test_plain_numpy_chooses_the_same(seed):
     asked, traffic = drawn(seed)
     v, w = (np.asarray(part) for part in decide(asked, traffic))
     alike, close = 0, 0
-    for i in range(VESSELS):
+    for i in range(0, VESSELS, 3):
         wanted = plain(asked, traffic, i)
         same = abs(v[i] - wanted[0]) < 1e-4 and abs(w[i] - wanted[1]) < 1e-5
         alike += same
         close += wanted[2] < 1e-5
         assert same or wanted[2] < 1e-5, i
-    assert alike > 0.95 * VESSELS
-    assert close < 0.05 * VESSELS
+    assert alike > 0.95 * VESSELS / 3
+    assert close < 0.05 * VESSELS / 3
 
 
 @pytest.mark.parametrize("seed", [3, 4])
@@ -158,6 +158,20 @@ def test_blocks_and_what_they_leave_out_change_nothing(seed):
     for some in (active, np.ones(VESSELS, bool), np.arange(VESSELS) == 7):
         found = np.stack(jax.jit(decide_all)(jnp.asarray(some), asked, traffic))
         assert np.array_equal(found[:, some], whole[:, some])
+
+
+def test_what_is_left_out_matters_to_nobody_who_has_no_way_clear():
+    """The room to a collision decides there, which may be large: of who keeps far apart."""
+    asked, traffic = drawn(6)
+    near = np.array(traffic.others.rows)
+    ahead = np.stack([np.cos(asked.motion[2]), np.sin(asked.motion[2])])
+    # Too close, dead astern and no slower: whatever is done, it stays too close.
+    near[:2, 0], near[2:4, 0] = -230.0 * ahead, 9.0 * ahead
+    near[4, 0], near[5, 0] = 260.0, 10.0
+    traffic = traffic._replace(others=Circles(jnp.asarray(near), traffic.others.number))
+    every = jnp.ones(VESSELS, bool)
+    whole = np.stack(jax.jit(decide)(asked, traffic))
+    assert np.array_equal(np.stack(jax.jit(decide_all)(every, asked, traffic)), whole)
 
 
 def test_nobody_is_asked():

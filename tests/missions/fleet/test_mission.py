@@ -202,7 +202,7 @@ def test_a_recording_is_each_fleet_with_its_ground(crowd, sailed):
 
 
 def test_parts_of_a_call_change_nothing(crowd, sailed, monkeypatch):
-    monkeypatch.setattr(mission, "VESSELS_AT_ONCE", 5 * 7)
+    monkeypatch.setattr(mission, "ROUTES_AT_ONCE", 5 * 7)
     again = MISSION.run(dataclasses.replace(crowd), "none")
     for name, values in sailed.columns.items():
         assert np.array_equal(again.columns[name], values), name

@@ -41,9 +41,12 @@ def test_who_sails_to_a_place_beside_an_obstacle_arrives():
     way = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     starts = np.concatenate([circles + 1500.0 * way, angle[..., None]], axis=-1)
     goals = circles + beside * np.array([1.0, 0.0])
-    found = sail(starts, np.tile(goals, (count, 1, 1)), np.tile(circles, (count, 1, 1)), "rules")
+    every = np.tile(circles, (count, 1, 1)), starts, np.tile(goals, (count, 1, 1))
+    found = uj.navigate(*every, params=PARAMS)
     assert (found.status == Status.REACHED).all()
     assert (found.path_length < 1.05 * found.route_length).all()
+    printed = uj.navigate(*every, params=PARAMS, static=uj.FleetStatic(clearance="printed"))
+    assert (printed.path_length > 1.2 * printed.route_length).any()
 
 
 @pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: programs of its own")
@@ -222,6 +225,15 @@ def test_grids_of_routes_are_searched_some_at_a_time(monkeypatch):
         way = whole[0][row, : whole[1][row]]
         alone = np.full(len(way) - 1, fleet[row]), way[:-1], way[1:], np.full(len(way) - 1, 250.0)
         assert ground.clear(*alone).all()
+
+
+def test_ways_through_long_narrow_water_have_grids_as_narrow():
+    """A channel of 40 km by 100 m in cells of 3 m: a square grid of it would not fit."""
+    along = np.arange(500.0, 40_000.0, 1500.0)
+    ground = Circles(np.stack([along, np.zeros_like(along)], axis=-1)[None], 3.0)
+    start, end = np.zeros((1, 2)), np.array([[40_000.0, 0.0]])
+    grids = ground._grids_for(np.zeros(1, int), start, end, np.full(1, 12.0))
+    assert grids.sides.tolist() == [[16384, 32]]
 
 
 @pytest.mark.skipif(not FUZZ, reason="by `make fuzz`: programs of its own")

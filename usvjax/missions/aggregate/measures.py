@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from usvjax.checks import MOST_SINGLE, float_array
+from usvjax.errors import BadInputError
 from usvjax.missions.aggregate.run import of_fleets
 from usvjax.missions.fleet.inputs import presence
 from usvjax.paths.inputs import MOST_COORDINATE
@@ -48,6 +49,11 @@ def heading_errors(trajectory: Any, heading: Any, valid: Any = None) -> np.ndarr
 def _checked(trajectory: Any, valid: Any) -> tuple[np.ndarray, np.ndarray]:
     """The record, and bool[B, n], who is there."""
     track = float_array("trajectory", trajectory, (None, None, None, 5), MOST_SINGLE)
+    if not track.size:
+        raise BadInputError(
+            f"trajectory: got shape {track.shape}; wanted at least one step of at least one fleet "
+            "of at least one vessel"
+        )
     return track, presence(valid, (track.shape[0], track.shape[2]))
 
 

@@ -1,7 +1,8 @@
 """The mission "aggregate": strategies by which vessels meet each other as they form up.
 
 `[scenes]` says where fleets begin, `[formation]` how they are to lie, `[params]` holds
-`AggregateParams` and `[static]` `AggregateStatic`. Methods are those of the mission "fleet".
+`AggregateParams` and `[static]` `AggregateStatic`. Methods are those of the mission "fleet". Who
+has arrived, but does not hold slots and heading at rest, ends as STUCK.
 """
 
 from collections.abc import Iterator, Mapping
@@ -30,7 +31,7 @@ from usvjax.missions.aggregate.scenes import (
 from usvjax.missions.fleet.mission import FleetMission, Posed, read_numbers, recorded
 from usvjax.sections import Table
 from usvjax.tables import read_table
-from usvkernels.status import AGGREGATE_ENDINGS
+from usvkernels.status import AGGREGATE_ENDINGS, Status
 
 _SOURCES = {"square": SquareTable, "grid": LakeTable}
 
@@ -181,8 +182,10 @@ def _posed(given: AggregateCase, seed: int, jobs: np.ndarray) -> AggregatePosed:
 
 def _columns(found: AggregateResult) -> dict[str, np.ndarray]:
     """Status and metrics, array[J] each."""
+    # Who arrived, and then swung off its heading or place as it stopped, has not formed up.
+    loose = (found.status == int(Status.REACHED)) & ~found.formed
     return {
-        "status": found.status,
+        "status": np.where(loose, int(Status.STUCK), found.status).astype(found.status.dtype),
         "formed": found.formed.astype(np.float32),
         "formed_time": found.formed_time,
         # NaN where a vessel did not come to its slot.

@@ -206,10 +206,11 @@ def gather(
     absent = found.vessel_status == ABSENT
     aligned = found.heading_error <= mustered.voyage.params.heading_tolerance
     holds = (found.vessel_status == int(Status.REACHED)) & aligned
+    off = np.linalg.norm(found.final[..., :2] - mustered.slots, axis=-1)
+    holds &= off <= mustered.voyage.params.goal_tolerance
     formed = np.all(holds | absent, axis=1)
     # Who has arrived brakes: it holds its slot from the step in which it stops.
     at_rest = np.where(absent, 0.0, found.rest_time).max(axis=1)
-    off = np.linalg.norm(found.final[..., :2] - mustered.slots, axis=-1)
     own = {f.name: getattr(found, f.name) for f in fields(FleetResult)}
     return AggregateResult(
         **own,

@@ -61,7 +61,7 @@ class _Grids(NamedTuple):
 
     low: np.ndarray  # float64[R, 2], corners (m)
     cell: np.ndarray  # float64[R], sizes of their cells (m)
-    side: np.ndarray  # int[R], rows and columns, powers of 2
+    sides: np.ndarray  # int[R, 2], columns and rows, powers of 2
 
 
 @dataclass(frozen=True)
@@ -100,9 +100,9 @@ class Circles:
         if not len(around):
             return corners, counts, found
         grids = self._grids_for(fleet[around], start[around], end[around], reach[around])
-        for side in np.unique(grids.side):
-            same = np.flatnonzero(grids.side == side)
-            each = max(1, MOST_CELLS // int(side * side))
+        for sides in np.unique(grids.sides, axis=0):
+            same = np.flatnonzero(np.all(grids.sides == sides, axis=1))
+            each = max(1, MOST_CELLS // int(sides.prod()))
             for first in range(0, len(same), each):
                 own = _Grids(*(part[same[first : first + each]] for part in grids))
                 rows = around[same[first : first + each]]
@@ -130,20 +130,22 @@ class Circles:
         low = np.minimum(ends.min(axis=1), np.where(there, centres, np.inf).min(axis=1) - room)
         high = np.maximum(ends.max(axis=1), np.where(there, centres, -np.inf).max(axis=1) + room)
         low, high = low - 2 * cell[:, None], high + 2 * cell[:, None]
-        side = 2 ** np.ceil(np.log2((high - low).max(axis=1) / cell)).astype(np.int64)
-        largest = int(np.argmax(side))
+        sides = 2 ** np.ceil(np.log2((high - low) / cell[:, None])).astype(np.int64)
+        largest = int(np.argmax(sides.prod(axis=1)))
+        columns, rows = map(int, sides[largest])
         with saying_where(f"static.cell_size: of {cell[largest]:g} m"):
-            check_size(int(side[largest]), int(side[largest]), "the grid of a route", each=BYTES)
-        return _Grids(low, cell, side)
+            check_size(rows, columns, "the grid of a route", each=BYTES)
+        return _Grids(low, cell, sides)
 
     def _blocked(self, fleet: np.ndarray, reach: np.ndarray, grids: _Grids) -> np.ndarray:
-        """Cells that are blocked, bool[R, H, H], of grids of one size."""
-        centres, cell, side = self._of(fleet), grids.cell[:, None], grids.side[0]
+        """Cells that are blocked, bool[R, H, W], of grids of one size."""
+        centres, cell = self._of(fleet), grids.cell[:, None]
+        columns, rows = grids.sides[0]
         # A cell is shut if any of it is too near: the way found is clear, whatever the cells.
         keep = reach + grids.cell * np.sqrt(0.5)
-        blocked = np.zeros((len(fleet), side, side), bool)
-        x = grids.low[:, :1] + cell * (np.arange(side) + 0.5)
-        y = grids.low[:, 1:] + cell * (np.arange(side) + 0.5)
+        blocked = np.zeros((len(fleet), rows, columns), bool)
+        x = grids.low[:, :1] + cell * (np.arange(columns) + 0.5)
+        y = grids.low[:, 1:] + cell * (np.arange(rows) + 0.5)
         for k in range(centres.shape[1]):
             east, north = x - centres[:, k, :1], y - centres[:, k, 1:]
             square = north[:, :, None] ** 2 + east[:, None, :] ** 2
@@ -154,7 +156,7 @@ class Circles:
 def _ways(
     blocked: np.ndarray, grids: _Grids, start: np.ndarray, end: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """As `Ground.path`, on the cells bool[R, H, H] of grids."""
+    """As `Ground.path`, on the cells bool[R, H, W] of grids."""
     first, last = (_cells(p, grids) for p in (start, end))
     # The cell of a vessel or a goal may be shut by what is only near.
     every = np.arange(len(blocked))
@@ -173,7 +175,7 @@ def _ways(
 
 def _cells(points: np.ndarray, grids: _Grids) -> np.ndarray:
     cells = np.floor((points - grids.low) / grids.cell[:, None]).astype(np.int64)
-    return np.clip(cells, 0, grids.side[:, None] - 1)
+    return np.clip(cells, 0, grids.sides - 1)
 
 
 def _distance(start: np.ndarray, end: np.ndarray, centres: np.ndarray) -> np.ndarray:

@@ -57,6 +57,8 @@ class Meetings:
         dcpa, tcpa: at first sight, between centres (m) and from then (s).
         action_time: when i first altered course or speed so that it shows (s); inf if never.
         action_dcpa, action_tcpa: then; NaN if never.
+        action_contact: then, how long until hulls would have touched (s), had it gone on; inf where
+            they would not have; NaN if never.
         least_distance: between hulls (m), over the record.
         to_starboard, to_port: largest alterations of i until the two are closest (rad).
         slowest: of i until then, as a share of its speed at first sight.
@@ -71,6 +73,7 @@ class Meetings:
     action_time: np.ndarray
     action_dcpa: np.ndarray
     action_tcpa: np.ndarray
+    action_contact: np.ndarray
     least_distance: np.ndarray
     to_starboard: np.ndarray
     to_port: np.ndarray
@@ -182,7 +185,8 @@ def _pair(
     unaltered[:, 2:4] = own[row, first, 2:4]
     contact = _contact(unaltered, other[row, action], hulls)
     acted_well = ~began_to_port & (_ahead(own, other) >= hulls + 2 * passing)
-    return found | {"kept": _kept(found, acted_well, never, contact)}
+    kept = _kept(found, acted_well, never, contact)
+    return found | {"kept": kept, "action_contact": np.where(never, np.nan, contact)}
 
 
 def _kept(

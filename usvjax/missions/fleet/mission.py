@@ -48,7 +48,7 @@ _SOURCES = {
 Source = EncounterTable | ImazuTable | SwapTable | CrowdTable | ChartSource
 """What draws the scenes of a condition."""
 
-VESSELS_AT_ONCE = 8192
+ROUTES_AT_ONCE = 8192
 """Whose routes are laid in one go: each may need a grid of its own."""
 
 
@@ -90,7 +90,7 @@ class Posed:
     def parts(self) -> list[slice]:
         """Rows whose routes are laid in one go."""
         count, n = self.scenes.speeds.shape
-        each = max(1, VESSELS_AT_ONCE // n)
+        each = max(1, ROUTES_AT_ONCE // n)
         return [slice(k, k + each) for k in range(0, count, each)]
 
 

@@ -53,7 +53,7 @@ def tells(found: Replayed) -> bool:
 
 def answers(seen: Meetings) -> NDArray[np.int64]:
     """What each vessel did about each other, int64[B, n, n]: places in `ANSWERS`."""
-    never, late = np.isinf(seen.action_time), seen.action_tcpa < LAST_MOMENT
+    never, late = np.isinf(seen.action_time), seen.action_contact <= LAST_MOMENT
     return np.select([seen.least_distance <= 0, never, late], [3, 2, 1], 0)
 
 

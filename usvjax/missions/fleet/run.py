@@ -213,7 +213,7 @@ def _run(
         lanes=width,
         chunk=CHUNK,
         max_steps=2 * settings.passage.max_steps,  # and to come to rest
-        narrow=False,  # who has arrived costs no decision; half as much to compile
+        narrow=False,  # on a CPU who has arrived costs no decision; less to compile
     )
 
 
