@@ -33,6 +33,7 @@ NAMES = (
     "planner_paths",
     "cruise_rate",
     "fleets",
+    "lake_guided",
     "orca",
 )
 
