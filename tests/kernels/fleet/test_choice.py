@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from property_draws import FUZZ
 
 from usvjax.missions.fleet.params import FleetParams, FleetStatic, split
 from usvkernels.dwa.clearance import FAR
@@ -135,7 +136,7 @@ def nearest(place, closing, lasts, at_most=np.inf):
     return np.hypot(*(place + closing * min(time, at_most)))
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, 2] if FUZZ else [1])
 def test_plain_numpy_chooses_the_same(seed):
     asked, traffic = drawn(seed)
     v, w = (np.asarray(part) for part in decide(asked, traffic))
@@ -150,7 +151,7 @@ def test_plain_numpy_chooses_the_same(seed):
     assert close < 0.05 * VESSELS / 3
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [3, 4] if FUZZ else [3])
 def test_blocks_and_what_they_leave_out_change_nothing(seed):
     asked, traffic = drawn(seed)
     active = np.random.default_rng(seed).random(VESSELS) < 0.7
