@@ -12,8 +12,9 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from usvkernels.dwa.candidates import Command
-from usvkernels.dwa.params import Objective, Sampling, Vessel
+from usvkernels.dwa.params import Sampling, Vessel
 from usvkernels.dwa.window import Motion, Window, open_window
+from usvkernels.fleet.params import Objective
 from usvkernels.fleet.traffic import (
     Legs,
     Times,

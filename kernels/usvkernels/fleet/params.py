@@ -12,8 +12,19 @@ from typing import NamedTuple
 import jax
 
 from usvkernels.dwa.clearance import Scalar
-from usvkernels.dwa.params import STATIC, Objective, Sampling, Vessel
+from usvkernels.dwa.params import STATIC, Sampling, Vessel
 from usvkernels.fleet.environment import Environment
+
+
+@partial(jax.tree_util.register_dataclass)
+@dataclass(frozen=True)
+class Objective:
+    """What a candidate of the window scores by, each part over its sum of all that are admitted."""
+
+    heading_weight: Scalar
+    clearance_weight: Scalar
+    velocity_weight: Scalar
+    clearance_cap: Scalar  # m, from which clearance scores no more
 
 
 @partial(jax.tree_util.register_dataclass)

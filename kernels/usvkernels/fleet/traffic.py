@@ -5,6 +5,7 @@ then kept: two straight legs in the frame of an obstacle, along which the least 
 closed form. So nothing passes between two samples, however long the course.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from usvkernels.dwa.clearance import Scalar
+from usvkernels.fleet.approach import dot
 from usvkernels.vessel import Complex
 
 TINY = 1e-12
@@ -71,17 +73,25 @@ def least_distance(traffic: Traffic, legs: Legs, times: Times, v: Array) -> Arra
         where there is nothing; -inf for candidates that are not clear, which come nearer than too
         close before the vessel could have stopped.
     """
-    least = jnp.full(v.shape, jnp.inf, v.dtype)
+
+    def nearer(circle: Array, weighs: bool, least: Array) -> Array:
+        return _nearer(circle, legs, times, v, weighs, least)
+
+    return _folded(traffic, nearer, jnp.full(v.shape, jnp.inf, v.dtype))
+
+
+def _folded(traffic: Traffic, fold: Callable[[Array, bool, Array], Array], found: Array) -> Array:
+    """Every circle, ROWS of it, and whether it weighs, folded into what was found."""
     for circles, weighs in ((traffic.weighing, True), (traffic.others, False)):
         if not circles.rows.shape[1]:
             continue
 
-        def nearer(k: Array, least: Array, rows: Array, weighs: bool) -> Array:
-            return _nearer(rows[:, k], legs, times, v, weighs, least)
+        def one(k: Array, found: Array, rows: Array, weighs: bool) -> Array:
+            return fold(rows[:, k], weighs, found)
 
-        fold = partial(nearer, rows=circles.rows, weighs=weighs)
-        least = jax.lax.fori_loop(0, circles.number, fold, least)
-    return least
+        each = partial(one, rows=circles.rows, weighs=weighs)
+        found = jax.lax.fori_loop(0, circles.number, each, found)
+    return found
 
 
 def step_is_clear(traffic: Traffic, bow: Complex, dt: Scalar, v: Array) -> Array:
@@ -99,19 +109,15 @@ def step_is_clear(traffic: Traffic, bow: Complex, dt: Scalar, v: Array) -> Array
         bool[n_v, lanes].
     """
 
-    def also(k: Array, clear: Array, rows: Array) -> Array:
-        east, north, *moves, reach, _ = rows[:, k]
+    def also(circle: Array, _: bool, clear: Array) -> Array:
+        east, north, *moves, reach, _touch = circle
         place = east, north
         closing = moves[0] - v * bow[0], moves[1] - v * bow[1]
         near = _square(_at(place, closing, _closest(place, closing, dt)))
         allowed = less(reach, ESCAPE * jnp.sqrt(_square(place)))
         return clear & (near > allowed * allowed)
 
-    clear = jnp.ones(v.shape, bool)
-    for circles in (traffic.weighing, traffic.others):
-        if circles.rows.shape[1]:
-            clear = jax.lax.fori_loop(0, circles.number, partial(also, rows=circles.rows), clear)
-    return clear
+    return _folded(traffic, also, jnp.ones(v.shape, bool))
 
 
 def bulge(angle: Scalar) -> Array:
@@ -136,16 +142,11 @@ def room_while_stopping(traffic: Traffic, legs: Legs, times: Times, v: Array) ->
     """
     bulge = jnp.abs(v) * legs.bulge
 
-    def nearer(k: Array, least: Array, rows: Array) -> Array:
-        on_turn, soon, _ = _squares(rows[:, k], legs, times, v)
-        return less(less(jnp.sqrt(on_turn) - bulge, jnp.sqrt(soon)) - rows[5, k], least)
+    def nearer(circle: Array, _: bool, least: Array) -> Array:
+        on_turn, soon, _all = _squares(circle, legs, times, v)
+        return less(less(jnp.sqrt(on_turn) - bulge, jnp.sqrt(soon)) - circle[5], least)
 
-    least = jnp.full(legs.bulge.shape, jnp.inf, v.dtype)
-    for circles in (traffic.weighing, traffic.others):
-        if circles.rows.shape[1]:
-            fold = partial(nearer, rows=circles.rows)
-            least = jax.lax.fori_loop(0, circles.number, fold, least)
-    return least
+    return _folded(traffic, nearer, jnp.full(legs.bulge.shape, jnp.inf, v.dtype))
 
 
 def _nearer(circle: Array, legs: Legs, times: Times, v: Array, weighs: bool, least: Array) -> Array:
@@ -182,7 +183,7 @@ def _squares(circle: Array, legs: Legs, times: Times, v: Array) -> tuple[Array, 
 def _closest(place: Complex, closing: Complex, lasts: Scalar) -> Array:
     square = _square(closing)
     square = jnp.where(square > TINY, square, TINY)
-    time = -_dot(place, closing) / square
+    time = -dot(place, closing) / square
     return less(jnp.where(time > 0.0, time, 0.0), lasts)
 
 
@@ -196,8 +197,4 @@ def _at(place: Complex, closing: Complex, time: Scalar) -> Complex:
 
 
 def _square(vector: Complex) -> Array:
-    return vector[0] * vector[0] + vector[1] * vector[1]
-
-
-def _dot(a: Complex, b: Complex) -> Array:
-    return a[0] * b[0] + a[1] * b[1]
+    return dot(vector, vector)

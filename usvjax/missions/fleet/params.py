@@ -19,11 +19,11 @@ from usvjax.checks import (
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.sensed import MOST_REMOTE
 from usvjax.units import KNOT, NAUTICAL_MILE
-from usvkernels.dwa.params import Objective, Sampling, Vessel
+from usvkernels.dwa.params import Sampling, Vessel
 from usvkernels.fleet import wei2023
 from usvkernels.fleet.environment import Environment
 from usvkernels.fleet.models import LONGEST_SUBSTEP, MODELS, SUBSTEPS, top_speed
-from usvkernels.fleet.params import Encounters, Passage, Settings
+from usvkernels.fleet.params import Encounters, Objective, Passage, Settings
 from usvkernels.fleet.steering import CLEARANCES
 
 DEGREE = np.pi / 180  # rad
@@ -166,15 +166,7 @@ def split(
         heading_weight=p.heading_weight,
         clearance_weight=p.clearance_weight,
         velocity_weight=p.velocity_weight,
-        search_angle=float(np.pi),
         clearance_cap=p.clearance_cap,
-        clear_distance=p.clearance_cap,
-        method="traditional",
-        clearance="course",
-        clearance_score="distance",
-        normalise="sum",
-        braking=True,
-        when_blocked="brake",
     )
     passage = Passage(
         hull_radius=p.hull_radius,
