@@ -20,7 +20,7 @@ COMING = {"search_mission", "hunt", "sweep"}
 """Names that the public contract reserves."""
 
 FLOORS = (
-    ("errors", "suggest", "exports", "version", "ambient", "units"),
+    ("errors", "suggest", "exports", "version", "ambient", "units", "angles"),
     ("checks",),
     ("devices", "pictures", "statistics"),
     ("report",),

@@ -15,6 +15,7 @@ from experiments.estimates import difference, mean, share
 from experiments.paper import Drawing, Part
 from experiments.runs import Call, Found, Run
 from experiments.wei2023.bars import draw_bars
+from usvjax.angles import wrapped
 from usvjax.missions.fleet.run import FleetResult, navigate
 from usvjax.plots import style
 from usvjax.report import Section, Sheet
@@ -109,7 +110,7 @@ def _sailed(count: int, advance: Callable[[int], object]) -> dict[str, Any]:
     def errors(own: Voyages, asked: np.ndarray, guide: float, by: Reading) -> np.ndarray:
         found = _sail(own, guide, by)
         advance(count)
-        off = (found.final[:, 0, 2] - asked[:, 0] + np.pi) % (2 * np.pi) - np.pi
+        off = wrapped(found.final[:, 0, 2] - asked[:, 0])
         return np.where(found.status == int(Status.REACHED), np.degrees(np.abs(off)), np.nan)
 
     # Each device would compile for itself.

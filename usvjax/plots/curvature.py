@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
+from usvjax.angles import wrapped
 from usvjax.checks import shown
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.plots import inputs, style
@@ -104,7 +105,7 @@ def bends_of(
     moved = length > 0
     step, length, distance = step[moved], length[moved], np.cumsum(length[moved])
     course = np.arctan2(step[:, 1], step[:, 0])
-    turn = (np.diff(course) + np.pi) % (2 * np.pi) - np.pi
+    turn = wrapped(np.diff(course))
     bent = np.abs(turn) > _STRAIGHT_ON
     mean = (length[1:] + length[:-1]) / 2
     values = 2 * np.sin(turn[bent] / 2) / mean[bent]

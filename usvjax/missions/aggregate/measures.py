@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.angles import wrapped
 from usvjax.checks import MOST_SINGLE, float_array
 from usvjax.errors import BadInputError
 from usvjax.missions.aggregate.run import of_fleets
@@ -42,7 +43,7 @@ def heading_errors(trajectory: Any, heading: Any, valid: Any = None) -> np.ndarr
     """
     track, present = _checked(trajectory, valid)
     wanted = of_fleets("heading", heading, len(track), ())
-    off = (track[..., 2] - wanted[:, None, None] + np.pi) % (2 * np.pi) - np.pi
+    off = wrapped(track[..., 2] - wanted[:, None, None])
     return _largest(np.abs(off), present)
 
 

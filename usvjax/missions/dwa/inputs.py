@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.angles import wrapped
 from usvjax.checks import any_array, float_array, positive
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps import GridMap
@@ -118,7 +119,7 @@ def pack_episodes(
     count = count if count > 1 else params.sets
     check_dwa(params, static, count)
     # Wrapped in double precision: single loses the angle of a heading of many turns.
-    start = np.column_stack([start[:, :2], (start[:, 2] + np.pi) % (2 * np.pi) - np.pi])
+    start = np.column_stack([start[:, :2], wrapped(start[:, 2])])
     start, goal = _repeat("starts", start, count), _repeat("goals", goal, count)
     for name, points in (("starts", start[:, :2]), ("goals", goal)):
         refuse_remote(name, points - (obstacles.origin if on_map else 0.0))

@@ -6,6 +6,7 @@ from typing import Any
 import jax
 import numpy as np
 
+from usvjax.angles import wrapped
 from usvjax.checks import any_array, float_array
 from usvjax.errors import BadInputError, BadTypeError
 from usvjax.maps.sensed import MOST_REMOTE
@@ -140,7 +141,7 @@ def pack(
         static,
         None if via is None else via - where.origin,
     )
-    psi = (start[..., 2] + np.pi) % (2 * np.pi) - np.pi
+    psi = wrapped(start[..., 2])
     return Voyage(
         start=np.stack([start[..., 0], start[..., 1], psi, speed], axis=-1),
         goal=goal,

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from usvjax.angles import wrapped
 from usvjax.batches import filled
 from usvjax.checks import MOST_SINGLE, any_array, float_array, positive
 from usvjax.errors import BadInputError
@@ -153,10 +154,10 @@ def _pair(
     place, velocity = _relative(own[row, first], other[row, first])
     dcpa, tcpa = _approach(place, velocity)
     kind, gives = _roles(own[row, first], other[row, first], place)
-    bearing = _wrapped(np.arctan2(place[:, 1], place[:, 0]) - own[row, first, 2])
+    bearing = wrapped(np.arctan2(place[:, 1], place[:, 0]) - own[row, first, 2])
     meets = (tcpa > 0) & (dcpa < SLIGHT * (hulls + passing))
     kind, gives = np.where(meets, kind, NONE), gives & meets
-    turned = _wrapped(own[..., 2] - own[row, first, 2][:, None])
+    turned = wrapped(own[..., 2] - own[row, first, 2][:, None])
     speed = own[..., 3] / np.maximum(own[row, first, 3], 1e-9)[:, None]
     during = (time >= first[:, None]) & (time <= closest[:, None])
     acted = during & ((np.abs(turned) > ALTERED) | (speed < 1 - SLOWED))
@@ -225,11 +226,6 @@ def _seen(track: np.ndarray) -> np.ndarray:
     """Step of [B, T, 5] from which a vessel is well under way."""
     speed = track[..., 3]
     return (speed >= UNDER_WAY * speed.max(axis=1, keepdims=True)).argmax(axis=1)
-
-
-def _wrapped(angle: np.ndarray) -> np.ndarray:
-    """The same angles in [-pi, pi) (rad)."""
-    return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
 def _velocity(state: np.ndarray) -> np.ndarray:

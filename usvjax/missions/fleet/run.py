@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from usvjax.angles import wrapped
 from usvjax.batches import Batch, bucket, deal_longest_first, filled
 from usvjax.checks import one_of
 from usvjax.devices import COMPILER_OPTIONS, ONE_THREAD, chosen_devices
@@ -297,5 +298,5 @@ def fleet_status(vessels: np.ndarray) -> np.ndarray:
 def _heading_error(psi: np.ndarray, wanted: np.ndarray | None, reached: np.ndarray) -> np.ndarray:
     if wanted is None:
         return np.full(psi.shape, np.nan, np.float32)
-    off = np.abs((psi - wanted + np.pi) % (2 * np.pi) - np.pi)
+    off = np.abs(wrapped(psi - wanted))
     return np.where(reached, off, np.nan).astype(np.float32)
